@@ -1,0 +1,2 @@
+//! Build script of the runtime: shaders are compiled here.
+fn main() {}
