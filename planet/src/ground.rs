@@ -1,0 +1,101 @@
+//! Ground samples: heights over cube points, quantised to the lattice.
+
+use crate::lattice::Lattice;
+use crate::sphere::{direction, normalise, warp_component, CubePoint};
+use crate::patch::PatchId;
+use glam::{DVec3, IVec3};
+
+/// Terrain as a pure function of direction. Implementations use only exactly rounded operations, so that every machine
+/// computes the same bytes, and give the same bits however the directions are grouped into calls.
+pub trait Elevation: Sync {
+    /// Heights in metres above the datum for unit directions. `heights` is as long as `directions`.
+    fn heights(&self, directions: &[DVec3], heights: &mut [f64]);
+}
+
+/// Rows of texture samples beyond each side of a patch, in half cells (see [`crate::texture`]).
+pub const GUTTER: i32 = 4;
+
+/// A planet's terrain on its lattice, with the grid density of its patches.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
+    /// Height function.
+    pub elevation: &'a dyn Elevation,
+    /// Lattice of the planet.
+    pub lattice: Lattice,
+    /// Grid cells along a patch side, a power of two.
+    pub cells: u32,
+}
+
+impl Ground<'_> {
+    /// Quantised heights of directions.
+    pub fn quantised(&self, directions: &[DVec3]) -> Vec<i32> {
+        let mut heights = vec![0.0; directions.len()];
+        self.elevation.heights(directions, &mut heights);
+        heights.into_iter().map(|h| self.lattice.quantise_height(h)).collect()
+    }
+
+    /// Exact positions of cube points, as f64 (every lattice component is a whole number).
+    pub fn positions(&self, points: &[CubePoint]) -> Vec<DVec3> {
+        let directions: Vec<DVec3> = points.iter().map(|&p| direction(p)).collect();
+        let heights = self.quantised(&directions);
+        directions.iter().zip(heights).map(|(&d, h)| self.lattice.position(d, h).as_dvec3()).collect()
+    }
+
+    /// Cube units between neighbouring samples of a level (a level below the deepest is fine: half cells are whole units).
+    pub fn step(&self, level: u8) -> i32 {
+        ((1i64 << 31) / (i64::from(self.cells) << level)) as i32
+    }
+}
+
+/// All height samples of one patch: every half cell of the patch and [`GUTTER`] half cells beyond each side.
+pub struct HeightGrid {
+    /// Samples a side.
+    pub side: usize,
+    /// Quantised heights in lattice units, row by row.
+    pub heights: Vec<i32>,
+    /// Directions of the samples, row by row.
+    pub directions: Vec<DVec3>,
+    /// Warped face coordinates of the columns and of the rows.
+    pub warped: [Vec<f64>; 2],
+}
+
+impl HeightGrid {
+    /// Samples a patch.
+    pub fn sample(ground: &Ground, id: PatchId) -> HeightGrid {
+        let parts = 2 * ground.cells;
+        let range = -GUTTER..=parts as i32 + GUTTER;
+        let side = (parts as i32 + 2 * GUTTER + 1) as usize;
+        let (u, v) = id.face.grid_axes();
+        let w = id.face.normal_axis();
+        let columns: Vec<f64> = range.clone().map(|a| warp_component(id.point(a, 0, parts)[u])).collect();
+        let rows: Vec<f64> = range.map(|b| warp_component(id.point(0, b, parts)[v])).collect();
+        let mut directions = Vec::with_capacity(side * side);
+        for &y in &rows {
+            for &x in &columns {
+                let mut point = [0.0; 3];
+                point[u] = x;
+                point[v] = y;
+                point[w] = f64::from(id.face.sign());
+                directions.push(normalise(point[0], point[1], point[2]));
+            }
+        }
+        let heights = ground.quantised(&directions);
+        HeightGrid { side, heights, directions, warped: [columns, rows] }
+    }
+
+    /// Index of the sample `a` half cells along and `b` half cells up from the patch's first corner.
+    pub fn index(&self, a: i32, b: i32) -> usize {
+        (b + GUTTER) as usize * self.side + (a + GUTTER) as usize
+    }
+
+    /// Quantised height of a half-cell sample.
+    pub fn height(&self, a: i32, b: i32) -> i32 {
+        self.heights[self.index(a, b)]
+    }
+
+    /// Lattice position of a half-cell sample.
+    pub fn position(&self, lattice: &Lattice, a: i32, b: i32) -> IVec3 {
+        let index = self.index(a, b);
+        lattice.position(self.directions[index], self.heights[index])
+    }
+}
