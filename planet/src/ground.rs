@@ -12,6 +12,23 @@ pub trait Elevation: Sync {
     fn heights(&self, directions: &[DVec3], heights: &mut [f64]);
 }
 
+/// A point whose ground colour is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct GroundPoint {
+    /// Unit direction.
+    pub direction: DVec3,
+    /// Height in metres above the datum.
+    pub height: f64,
+    /// Tangent of the slope angle.
+    pub slope: f64,
+}
+
+/// Colour of bare ground as a pure function of place, height and slope.
+pub trait GroundColour: Sync {
+    /// sRGB-encoded albedo of each point.
+    fn albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]);
+}
+
 /// Rows of texture samples beyond each side of a patch, in half cells (see [`crate::texture`]).
 pub const GUTTER: i32 = 4;
 
@@ -29,9 +46,14 @@ pub struct Ground<'a> {
 impl Ground<'_> {
     /// Quantised heights of directions.
     pub fn quantised(&self, directions: &[DVec3]) -> Vec<i32> {
+        self.metres(directions).into_iter().map(|h| self.lattice.quantise_height(h)).collect()
+    }
+
+    /// Heights of directions in metres.
+    pub fn metres(&self, directions: &[DVec3]) -> Vec<f64> {
         let mut heights = vec![0.0; directions.len()];
         self.elevation.heights(directions, &mut heights);
-        heights.into_iter().map(|h| self.lattice.quantise_height(h)).collect()
+        heights
     }
 
     /// Exact positions of cube points, as f64 (every lattice component is a whole number).
@@ -51,7 +73,9 @@ impl Ground<'_> {
 pub struct HeightGrid {
     /// Samples a side.
     pub side: usize,
-    /// Quantised heights in lattice units, row by row.
+    /// Heights in metres, row by row.
+    pub metres: Vec<f64>,
+    /// The same in whole lattice units.
     pub heights: Vec<i32>,
     /// Directions of the samples, row by row.
     pub directions: Vec<DVec3>,
@@ -79,8 +103,9 @@ impl HeightGrid {
                 directions.push(normalise(point[0], point[1], point[2]));
             }
         }
-        let heights = ground.quantised(&directions);
-        HeightGrid { side, heights, directions, warped: [columns, rows] }
+        let metres = ground.metres(&directions);
+        let heights = metres.iter().map(|&h| ground.lattice.quantise_height(h)).collect();
+        HeightGrid { side, metres, heights, directions, warped: [columns, rows] }
     }
 
     /// Index of the sample `a` half cells along and `b` half cells up from the patch's first corner.

@@ -5,6 +5,17 @@ pub mod border;
 pub mod ground;
 pub mod lattice;
 pub mod patch;
+pub mod progressive;
 pub mod simplify;
 pub mod sphere;
+pub mod texture;
 pub mod wake;
+
+/// Coarsest tolerance, in radians of screen error, at which the certificate holds (κ₀).
+pub const KAPPA: f64 = 0.003;
+
+/// Share of [`KAPPA`] kept for the deviation of a patch's own grid from the finer levels that replace it.
+pub const DEVIATION_SHARE: f64 = 0.25;
+
+/// Radians of error per unit distance that wakes are built for: the rest of [`KAPPA`].
+pub const KAPPA_BUILD: f64 = (1.0 - DEVIATION_SHARE) * KAPPA;

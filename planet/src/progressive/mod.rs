@@ -1,0 +1,8 @@
+//! The progressive mesh of a patch: vertices in wake order, any prefix of which is a mesh.
+
+pub mod index_levels;
+pub mod patch_mesh;
+pub mod replay;
+
+pub use index_levels::{IndexLevel, IndexLevels};
+pub use patch_mesh::{PatchMesh, Vertex};
