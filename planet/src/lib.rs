@@ -4,11 +4,16 @@
 pub mod border;
 pub mod ground;
 pub mod lattice;
+pub mod layout;
 pub mod patch;
 pub mod progressive;
+pub mod reference;
 pub mod simplify;
 pub mod sphere;
 pub mod texture;
+pub mod tree;
+pub mod verify;
+pub mod view;
 pub mod wake;
 
 /// Coarsest tolerance, in radians of screen error, at which the certificate holds (κ₀).

@@ -1,0 +1,142 @@
+//! The patch cut: which patches a view draws. A pure function of (resident patches, view), 2:1 balanced across edges.
+//!
+//! A patch splits iff the viewer is nearer to its bounds than its split distance, and only when all four children are
+//! resident, so that missing data makes a coarser picture and never a hole.
+
+use crate::lattice::LatticeBox;
+use crate::patch::{PatchId, Side};
+use crate::tree::{PatchNode, PatchTree};
+use crate::view::View;
+use glam::DVec3;
+use std::collections::HashSet;
+
+/// Pixels that a texel may cover before a patch splits for its texture's sake.
+pub const TEXEL_PIXELS: f64 = 1.5;
+
+/// One drawn patch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Leaf {
+    /// Which patch.
+    pub id: PatchId,
+    /// Sides (bits of [`Side::bit`]) across which the drawn neighbour is one level coarser.
+    pub coarser_sides: u8,
+}
+
+/// The patches that cover the planet in a view.
+#[derive(Clone, Debug, Default)]
+pub struct Cut {
+    /// Drawn patches, in traversal order.
+    pub leaves: Vec<Leaf>,
+    /// Patches whose children the view wants but which are not all resident, with their distance over their split distance
+    /// (smaller is more urgent).
+    pub wanted: Vec<(PatchId, f64)>,
+}
+
+/// Distance in lattice units at which a patch of a level splits for its texture's sake.
+pub fn texture_distance(tree: &PatchTree, view: &View, level: u8) -> f64 {
+    tree.texel_size(level) / (TEXEL_PIXELS * view.camera.pixel_angle())
+}
+
+/// Lower bound of the selection distance (to the eye, plus falloff times distance outside the frustum) over a box.
+pub fn distance_to_box(view: &View, bounds: &LatticeBox) -> f64 {
+    let (low, high) = (bounds.low.as_dvec3() - view.eye, bounds.high.as_dvec3() - view.eye);
+    let nearest = DVec3::ZERO.clamp(low, high).length();
+    nearest + view.falloff * outside_by(view, low, high)
+}
+
+/// How far the whole box (relative to the eye) lies outside the frustum, at least.
+fn outside_by(view: &View, low: DVec3, high: DVec3) -> f64 {
+    let least = |n: &DVec3| (low * *n).min(high * *n).element_sum();
+    view.planes.iter().map(least).fold(0.0, f64::max)
+}
+
+/// Computes the cut. `resident` says which patches can be drawn; the six roots must be.
+pub fn cut(tree: &PatchTree, view: &View, resident: &dyn Fn(PatchId) -> bool) -> Cut {
+    let mut search = Search { tree, view, resident, split: HashSet::new(), refused: HashSet::new(), wanted: Vec::new() };
+    PatchId::roots().for_each(|root| search.refine(root));
+    let mut result = Cut { leaves: Vec::new(), wanted: search.wanted };
+    PatchId::roots().for_each(|root| collect(root, &search.split, &mut result.leaves));
+    result
+}
+
+struct Search<'a> {
+    tree: &'a PatchTree,
+    view: &'a View,
+    resident: &'a dyn Fn(PatchId) -> bool,
+    split: HashSet<PatchId>,
+    refused: HashSet<PatchId>,
+    wanted: Vec<(PatchId, f64)>,
+}
+
+impl Search<'_> {
+    fn refine(&mut self, id: PatchId) {
+        let Some(node) = self.tree.get(id).filter(|n| n.has_children) else { return };
+        let reach = (self.view.scale * node.split_wake).max(texture_distance(self.tree, self.view, id.level));
+        let distance = distance_to_box(self.view, &node.bounds);
+        if distance < reach && self.ensure_split(id, distance / reach) {
+            id.children().into_iter().flatten().for_each(|child| self.refine(child));
+        }
+    }
+
+    /// Splits a patch and whatever coarser neighbours balance asks for; false if some children are not resident.
+    fn ensure_split(&mut self, id: PatchId, urgency: f64) -> bool {
+        if self.split.contains(&id) {
+            return true;
+        }
+        if self.refused.contains(&id) {
+            return false;
+        }
+        let stored = self.tree.get(id).is_some_and(|n| n.has_children);
+        let ready = stored && id.children().into_iter().flatten().all(self.resident);
+        if stored && !ready {
+            self.wanted.push((id, urgency));
+        }
+        // Every neighbour of this level must exist, even if this one cannot split yet: its data is wanted all the same.
+        let parents = Side::ALL.map(|side| id.neighbour(side).parent());
+        let balanced = parents.into_iter().flatten().fold(true, |all, parent| self.ensure_split(parent, urgency) && all);
+        if ready && balanced {
+            self.split.insert(id);
+        } else {
+            self.refused.insert(id);
+        }
+        ready && balanced
+    }
+}
+
+fn collect(id: PatchId, split: &HashSet<PatchId>, leaves: &mut Vec<Leaf>) {
+    if split.contains(&id) {
+        id.children().into_iter().flatten().for_each(|child| collect(child, split, leaves));
+        return;
+    }
+    let coarser = |side: &Side| id.on_parent_boundary(*side) && id.neighbour(*side).parent().is_some_and(|p| !split.contains(&p));
+    let coarser_sides = Side::ALL.iter().filter(|s| coarser(s)).fold(0, |bits, side| bits | side.bit());
+    leaves.push(Leaf { id, coarser_sides });
+}
+
+/// Whether a drawn patch lies at the rim of the stored data: next to a coarser patch that has no children to split into. There
+/// the error is that coarser patch's own, and closure breaks, because vertices that only the finer side has must sleep.
+pub fn at_data_rim(tree: &PatchTree, leaf: &Leaf) -> bool {
+    let without_children = |side: &Side| {
+        let coarser = leaf.coarser_sides & side.bit() != 0;
+        coarser && leaf.id.neighbour(*side).parent().and_then(|p| tree.get(p)).is_none_or(|node| !node.has_children)
+    };
+    Side::ALL.iter().any(without_children)
+}
+
+/// Whether any of a patch can be seen: inside the frustum, and not wholly below the horizon of the planet's lowest ground.
+pub fn is_visible(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
+    let (low, high) = (node.bounds.low.as_dvec3() - view.eye, node.bounds.high.as_dvec3() - view.eye);
+    outside_by(view, low, high) <= 0.0 && !below_horizon(tree, view, node)
+}
+
+fn below_horizon(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
+    let ball = tree.lattice.radius + f64::from(tree.lowest) - 2.0;
+    let distance = view.eye.length();
+    let highest = tree.lattice.radius + f64::from(node.highest) + 2.0;
+    if distance <= ball || highest <= ball {
+        return false;
+    }
+    let towards = (view.eye.dot(node.centre) / distance).clamp(-1.0, 1.0).acos();
+    let nearest = towards - node.spread.min(1.0).acos() - 1e-9;
+    nearest > (ball / distance).acos() + (ball / highest).acos()
+}

@@ -1,0 +1,82 @@
+//! Checks of the invariants on drawn meshes: watertight by bits, nothing flipped or degenerate, closure kept.
+
+pub mod random_views;
+pub mod surface_check;
+
+pub use random_views::RandomViews;
+pub use surface_check::{SurfaceCheck, SurfaceReport};
+
+use crate::lattice::Lattice;
+use crate::layout::PatchVertex;
+use crate::progressive::{replay, IndexLevel, IndexLevels, PatchMesh};
+use crate::reference::resolve::bit;
+use crate::wake::Wake;
+
+/// A patch with everything the checks and the run time need.
+pub struct LoadedPatch {
+    /// The progressive mesh.
+    pub mesh: PatchMesh,
+    /// Its vertices as the GPU sees them.
+    pub vertices: Vec<PatchVertex>,
+    /// Its triangle lists.
+    pub levels: IndexLevels,
+    /// Larger wake of each vertex, falling.
+    pub wakes: Vec<Wake>,
+}
+
+impl LoadedPatch {
+    /// Prepares a patch for drawing.
+    pub fn new(mesh: PatchMesh, lattice: &Lattice) -> LoadedPatch {
+        let vertices = PatchVertex::of_patch(&mesh, lattice);
+        let levels = IndexLevels::new(&mesh);
+        let wakes = mesh.vertices.iter().map(|v| v.wake()).collect();
+        LoadedPatch { mesh, vertices, levels, wakes }
+    }
+
+    /// The coarsest triangle list that holds every vertex which can be awake for a viewer at least `distance` lattice units
+    /// away (selection distance) at a view scale.
+    pub fn level_for(&self, distance: f64, scale: f64) -> IndexLevel {
+        // A little nearer than true, for the rounding of f32 selection.
+        let reach = distance * (1.0 - 1e-5) / scale;
+        let awake = self.wakes.partition_point(|w| w.distance() >= reach);
+        self.levels.covering(awake)
+    }
+
+    /// Triangles of one of its lists.
+    pub fn triangles(&self, level: IndexLevel) -> &[[u16; 3]] {
+        &self.levels.triangles[level.first as usize..(level.first + level.count) as usize]
+    }
+}
+
+/// Rings of every collapse of a patch, flat, for closure checks.
+pub struct Rings {
+    start: Vec<u32>,
+    members: Vec<u16>,
+}
+
+impl Rings {
+    /// Replays a patch; `None` if its hierarchy does not replay.
+    pub fn new(mesh: &PatchMesh) -> Option<Rings> {
+        let lists = replay::rings(mesh)?;
+        let mut rings = Rings { start: vec![0], members: Vec::with_capacity(6 * lists.len()) };
+        for list in lists {
+            rings.members.extend(list);
+            rings.start.push(rings.members.len() as u32);
+        }
+        Some(rings)
+    }
+
+    /// Number of (awake vertex, sleeping member of its ring) pairs: 0 when the awake set is closed.
+    pub fn violations(&self, awake: &[u32]) -> usize {
+        let asleep_in_ring = |v: usize| {
+            let members = &self.members[self.start[v] as usize..self.start[v + 1] as usize];
+            members.iter().filter(|&&r| !in_set(awake, r)).count()
+        };
+        (0..self.start.len() - 1).filter(|&v| in_set(awake, v as u16)).map(asleep_in_ring).sum()
+    }
+}
+
+/// Whether a vertex is in an awake set that may cover only a prefix.
+fn in_set(awake: &[u32], v: u16) -> bool {
+    usize::from(v) < awake.len() * 32 && bit(awake, u32::from(v))
+}

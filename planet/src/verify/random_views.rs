@@ -1,0 +1,101 @@
+//! Random views for verification: from orbit to just above the ground, and over the places where things go wrong.
+
+use crate::patch::PatchId;
+use crate::sphere::{direction, ONE};
+use crate::tree::PatchTree;
+use crate::view::Camera;
+use glam::{DVec3, IVec3};
+
+/// A reproducible stream of numbers (SplitMix64: Steele, Lea and Flood 2014).
+pub struct Random(u64);
+
+impl Random {
+    /// The stream of a seed.
+    pub fn new(seed: u64) -> Random {
+        Random(seed)
+    }
+
+    /// The next 64 bits.
+    pub fn bits(&mut self) -> u64 {
+        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.0;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        z ^ (z >> 31)
+    }
+
+    /// Uniform in [0, 1).
+    pub fn unit(&mut self) -> f64 {
+        (self.bits() >> 11) as f64 / (1u64 << 53) as f64
+    }
+
+    /// Uniform in a range.
+    pub fn range(&mut self, low: f64, high: f64) -> f64 {
+        low + (high - low) * self.unit()
+    }
+
+    fn direction(&mut self) -> DVec3 {
+        loop {
+            let v = DVec3::new(self.range(-1.0, 1.0), self.range(-1.0, 1.0), self.range(-1.0, 1.0));
+            if (0.01..=1.0).contains(&v.length_squared()) {
+                return v.normalize();
+            }
+        }
+    }
+}
+
+/// An endless stream of cameras over a planet.
+pub struct RandomViews<'a> {
+    random: Random,
+    count: usize,
+    patches: Vec<PatchId>,
+    radius: f64,
+    height: &'a dyn Fn(DVec3) -> f64,
+}
+
+impl<'a> RandomViews<'a> {
+    /// Views over a planet. `height` gives metres above the datum.
+    pub fn new(tree: &PatchTree, seed: u64, height: &'a dyn Fn(DVec3) -> f64) -> Self {
+        let mut patches: Vec<PatchId> = tree.ids().collect();
+        patches.sort_unstable_by_key(|id| (std::cmp::Reverse(id.level), *id));
+        RandomViews { random: Random::new(seed), count: 0, patches, radius: tree.lattice.radius * tree.lattice.unit, height }
+    }
+
+    /// Places in turn: anywhere, on a face edge, at a face corner, on the rim of one of the finest patches.
+    fn place(&mut self) -> DVec3 {
+        let random = &mut self.random;
+        let sign = |bits: u64| if bits & 1 == 0 { ONE } else { -ONE };
+        match self.count % 4 {
+            1 => {
+                let mut edge = IVec3::new(sign(random.bits()), sign(random.bits()), sign(random.bits()));
+                edge[(random.bits() % 3) as usize] = random.range(f64::from(-ONE), f64::from(ONE)) as i32;
+                direction(edge)
+            }
+            2 => direction(IVec3::new(sign(random.bits()), sign(random.bits()), sign(random.bits()))),
+            3 => {
+                let finest = self.patches.len().div_ceil(3).max(1);
+                let id = self.patches[random.bits() as usize % finest.min(self.patches.len())];
+                let along = (random.unit() * 16.0) as i32;
+                direction(if random.bits() & 1 == 0 { id.point(along, 0, 16) } else { id.point(16, along, 16) })
+            }
+            _ => random.direction(),
+        }
+    }
+}
+
+impl Iterator for RandomViews<'_> {
+    type Item = Camera;
+
+    fn next(&mut self) -> Option<Camera> {
+        let place = self.place();
+        self.count += 1;
+        let random = &mut self.random;
+        // Altitudes spread evenly over the scales from 2 m to 3 radii.
+        let altitude = 2.0 * (3.0 * self.radius / 2.0).powf(random.unit());
+        let position = place * (self.radius + (self.height)(place) + altitude);
+        let steepest = if altitude > 0.2 * self.radius { -60.0 } else { 5.0 };
+        let (heading, pitch) = (random.range(0.0, 360.0), random.range(-90.0, steepest));
+        let fov = random.range(35.0, 75.0).to_radians();
+        Some(Camera::looking(position, heading, pitch, fov, [1280, 720]))
+    }
+}

@@ -1,0 +1,175 @@
+//! Cameras and views: where the viewer is, and the numbers that selection derives from it.
+
+use crate::lattice::{Lattice, EXTENT};
+use crate::layout::FrameView;
+use crate::KAPPA;
+use glam::{DMat3, DVec3, IVec3, Mat4, Vec3, Vec4};
+
+/// Largest weight of the distance outside the frustum.
+const MOST_FALLOFF: f64 = 3.0;
+
+/// Least and most tolerance in pixels that a view accepts.
+pub const TOLERANCE_RANGE: (f64, f64) = (0.05, 64.0);
+
+/// A perspective camera in planet-fixed metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Camera {
+    /// Position from the planet's centre.
+    pub position: DVec3,
+    /// Unit view direction.
+    pub forward: DVec3,
+    /// Unit vector to the top of the picture, perpendicular to `forward`.
+    pub up: DVec3,
+    /// Vertical field of view in radians.
+    pub fov: f64,
+    /// Picture size in pixels.
+    pub size: [u32; 2],
+}
+
+impl Camera {
+    /// A camera at `position` looking along `heading` (degrees, clockwise from north) and `pitch` (degrees above the
+    /// horizontal).
+    pub fn looking(position: DVec3, heading: f64, pitch: f64, fov: f64, size: [u32; 2]) -> Camera {
+        let frame = local_frame(position);
+        let (h, p) = (heading.to_radians(), pitch.to_radians());
+        let level = frame.y_axis * h.cos() + frame.x_axis * h.sin();
+        let forward = level * p.cos() + frame.z_axis * p.sin();
+        let up = frame.z_axis * p.cos() - level * p.sin();
+        Camera { position, forward: forward.normalize(), up: up.normalize(), fov, size }
+    }
+
+    /// Unit vector to the right of the picture.
+    pub fn right(&self) -> DVec3 {
+        self.forward.cross(self.up)
+    }
+
+    /// Radians that one pixel at the picture's middle subtends.
+    pub fn pixel_angle(&self) -> f64 {
+        2.0 * (self.fov / 2.0).tan() / f64::from(self.size[1])
+    }
+
+    /// tan of half the horizontal and of half the vertical field of view.
+    pub fn half_extents(&self) -> (f64, f64) {
+        let vertical = (self.fov / 2.0).tan();
+        (vertical * f64::from(self.size[0]) / f64::from(self.size[1]), vertical)
+    }
+}
+
+/// East, north and up at a position (at the poles, longitude 0 decides).
+pub fn local_frame(position: DVec3) -> DMat3 {
+    let up = position.try_normalize().unwrap_or(DVec3::Z);
+    let east = DVec3::Z.cross(up).try_normalize().unwrap_or(DVec3::Y);
+    DMat3::from_cols(east, up.cross(east), up)
+}
+
+/// A camera with a tolerance, on a planet's lattice.
+#[derive(Clone, Copy, Debug)]
+pub struct View {
+    /// The camera.
+    pub camera: Camera,
+    /// Camera position in lattice units.
+    pub eye: DVec3,
+    /// Tolerance in pixels.
+    pub tolerance: f64,
+    /// s = κ₀/κ. Below 1 (coarse tolerances, wide fields of view, small pictures) the mesh is still watertight, but the error is
+    /// no longer certified.
+    pub scale: f64,
+    /// Weight of the distance outside the frustum.
+    pub falloff: f64,
+    /// Outward unit normals of the frustum's sides (left, right, bottom, top) and backwards; all planes pass through the eye.
+    pub planes: [DVec3; 5],
+    /// The same numbers as the GPU sees them.
+    pub gpu: FrameView,
+}
+
+impl View {
+    /// The view of a camera with a tolerance in pixels on a planet with patches of `cells` cells.
+    pub fn new(camera: Camera, lattice: &Lattice, cells: u32, tolerance: f64) -> View {
+        let scale = KAPPA / (tolerance * camera.pixel_angle());
+        let falloff = (scale - 1.0).clamp(0.0, MOST_FALLOFF);
+        let planes = frustum(&camera);
+        let eye = camera.position / lattice.unit;
+        let limit = f64::from(EXTENT - 1);
+        let anchor: IVec3 = eye.round().clamp(DVec3::splat(-limit), DVec3::splat(limit)).as_ivec3();
+        let offset = (eye - anchor.as_dvec3()).as_vec3();
+        let near = near_plane(&camera, lattice);
+        let gpu = FrameView {
+            anchor: anchor.to_array(),
+            culling: crate::layout::CULL_FRUSTUM | crate::layout::CULL_BACK,
+            offset: offset.to_array(),
+            scale: scale as f32,
+            planes: planes.map(|p| p.as_vec3().to_array()),
+            falloff: falloff as f32,
+            cells,
+            unit: lattice.unit as f32,
+            near,
+            clip: clip_matrix(&camera, near).to_cols_array_2d(),
+        };
+        View { camera, eye, tolerance, scale, falloff, planes, gpu }
+    }
+
+    /// The same view drawing every triangle.
+    pub fn without_culling(mut self) -> View {
+        self.gpu.culling = 0;
+        self
+    }
+}
+
+fn frustum(camera: &Camera) -> [DVec3; 5] {
+    let (h, v) = camera.half_extents();
+    let (right, up, forward) = (camera.right(), camera.up, camera.forward);
+    let side = |across: DVec3, extent: f64| (across - forward * extent).normalize();
+    [side(-right, h), side(right, h), side(-up, v), side(up, v), -forward]
+}
+
+/// The near plane only has to be nearer than any ground in view: half a metre, or a share of the altitude when high up.
+fn near_plane(camera: &Camera, lattice: &Lattice) -> f32 {
+    let altitude = camera.position.length() - lattice.radius * lattice.unit;
+    (altitude * 1e-4).clamp(0.1, 1e4) as f32
+}
+
+/// Reversed-Z projection with an infinite far plane: depth is near / distance. Y points down in clip space.
+fn clip_matrix(camera: &Camera, near: f32) -> Mat4 {
+    let (h, v) = camera.half_extents();
+    let (right, up, forward) = (camera.right().as_vec3(), camera.up.as_vec3(), camera.forward.as_vec3());
+    let row = |axis: Vec3, extent: f64, sign: f32| (axis * (sign / extent as f32)).extend(0.0);
+    Mat4::from_cols(row(right, h, 1.0), row(up, v, -1.0), Vec4::new(0.0, 0.0, 0.0, near), forward.extend(0.0)).transpose()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn camera() -> Camera {
+        Camera::looking(DVec3::new(6.4e6, 0.0, 0.0), 90.0, -10.0, 1.0, [1280, 720])
+    }
+
+    #[test]
+    fn heading_and_pitch_follow_the_compass() {
+        let c = Camera::looking(DVec3::new(6.4e6, 0.0, 0.0), 90.0, 0.0, 1.0, [100, 100]);
+        assert!(c.forward.distance(DVec3::Y) < 1e-12 && c.up.distance(DVec3::X) < 1e-12);
+        let down = Camera::looking(DVec3::new(6.4e6, 0.0, 0.0), 0.0, -90.0, 1.0, [100, 100]);
+        assert!(down.forward.distance(-DVec3::X) < 1e-12 && down.up.distance(DVec3::Z) < 1e-12);
+    }
+
+    #[test]
+    fn projection_is_reversed_and_centred() {
+        let view = View::new(camera(), &Lattice::new(6.371e6, 9e3), 128, 1.0);
+        let clip = Mat4::from_cols_array_2d(&view.gpu.clip);
+        let ahead = clip * (view.camera.forward.as_vec3() * 50.0).extend(1.0);
+        assert!(ahead.x.abs() < 1e-4 && ahead.y.abs() < 1e-4 && (ahead.w - 50.0).abs() < 1e-4);
+        assert!((ahead.z - view.gpu.near).abs() < 1e-6);
+        let above = clip * (view.camera.forward * 50.0 + view.camera.up * 5.0).as_vec3().extend(1.0);
+        assert!(above.y < 0.0, "up is towards smaller y in Vulkan's clip space");
+    }
+
+    #[test]
+    fn frustum_planes_hold_the_picture() {
+        let view = View::new(camera(), &Lattice::new(6.371e6, 9e3), 128, 1.0);
+        let (h, v) = view.camera.half_extents();
+        for (x, y, inside) in [(0.0, 0.0, true), (0.99, 0.99, true), (1.01, 0.0, false), (0.0, -1.01, false)] {
+            let ray = view.camera.forward + view.camera.right() * (h * x) + view.camera.up * (v * y);
+            assert_eq!(view.planes.iter().all(|p| p.dot(ray) <= 0.0), inside);
+        }
+    }
+}

@@ -1,0 +1,140 @@
+//! Whole planets on the CPU: watertight by bits, nothing flipped, closure kept, over random views and mixed levels.
+
+mod common;
+
+use common::TestField;
+use std::collections::HashMap;
+use terrane_planet::ground::{Ground, HeightGrid};
+use terrane_planet::patch::PatchId;
+use terrane_planet::progressive::PatchMesh;
+use terrane_planet::reference::cut::{at_data_rim, cut, distance_to_box, Cut};
+use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
+use terrane_planet::simplify::builder::Faults;
+use terrane_planet::tree::{PatchFacts, PatchTree};
+use terrane_planet::verify::{LoadedPatch, RandomViews, Rings, SurfaceCheck, SurfaceReport};
+use terrane_planet::view::View;
+
+struct Planet {
+    tree: PatchTree,
+    patches: HashMap<PatchId, (LoadedPatch, Rings)>,
+}
+
+/// All patches of levels 0..=2, and three more levels around one face corner.
+fn planet(field: &TestField, cells: u32) -> Planet {
+    let ground = field.ground(cells);
+    let mut ids: Vec<PatchId> = PatchId::roots().collect();
+    let mut at = 0;
+    while at < ids.len() {
+        let id = ids[at];
+        at += 1;
+        let near_corner = id.centre().distance(glam::DVec3::new(1.0, 1.0, 1.0).normalize()) < 2.0 / f64::from(1u32 << id.level);
+        if id.level < 2 || (id.level < 5 && near_corner) {
+            ids.extend(id.children().unwrap());
+        }
+    }
+    let patches: HashMap<_, _> = ids.into_iter().map(|id| (id, load(&ground, id))).collect();
+    let facts = patches.values().map(|(p, _)| PatchFacts {
+        id: p.mesh.id,
+        bounds: p.mesh.bounds,
+        heights: p.mesh.heights,
+        deviation: p.mesh.deviation,
+        odd_wake: p.mesh.odd_wake,
+    });
+    Planet { tree: PatchTree::new(ground.lattice, cells, facts), patches }
+}
+
+fn load(ground: &Ground, id: PatchId) -> (LoadedPatch, Rings) {
+    let (mesh, faults) = PatchMesh::build(ground, id, &HeightGrid::sample(ground, id));
+    assert_eq!(faults, Faults::default());
+    let rings = Rings::new(&mesh).expect("the hierarchy replays");
+    (LoadedPatch::new(mesh, &ground.lattice), rings)
+}
+
+/// Report and closure violations (away from the rim of the data) of a cut drawn without culling.
+fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (SurfaceReport, usize) {
+    let mut check = SurfaceCheck::default();
+    let mut violations = 0;
+    for leaf in &cut.leaves {
+        let (patch, rings) = &planet.patches[&leaf.id];
+        let level = patch.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+        let vertices = &patch.vertices[..level.vertices as usize];
+        let sides = if forget_sides { 0 } else { u32::from(leaf.coarser_sides) };
+        let awake = select(&view.gpu, vertices, sides);
+        let resolved = resolve(vertices, &awake);
+        check.add(vertices, &emit(&view.gpu, vertices, patch.triangles(level), &resolved));
+        if !at_data_rim(&planet.tree, leaf) {
+            violations += rings.violations(&awake);
+        }
+    }
+    (check.finish(), violations)
+}
+
+fn views(planet: &Planet, field: &TestField, count: usize) -> Vec<View> {
+    let height = |d| field.at(d);
+    let cameras = RandomViews::new(&planet.tree, 7, &height).take(count);
+    let tolerance = |k: usize| [1.0, 0.5, 2.0, 4.0][k % 4];
+    cameras.enumerate().map(|(k, c)| View::new(c, &planet.tree.lattice, planet.tree.cells, tolerance(k)).without_culling()).collect()
+}
+
+#[test]
+fn every_view_is_watertight_unflipped_and_closed() {
+    for (seed, ridged, roughness) in [(5, true, 0.05), (6, false, 0.01)] {
+        let field = TestField { radius: 30_000.0, roughness, ridged, seed };
+        let planet = planet(&field, 16);
+        let mut levels = 0;
+        for (k, view) in views(&planet, &field, 60).iter().enumerate() {
+            let cut = cut(&planet.tree, view, &|_| true);
+            levels = levels.max(cut.leaves.iter().filter(|l| l.coarser_sides != 0).count());
+            let (report, violations) = draw(&planet, view, &cut, false);
+            assert_eq!(report.cracks, 0, "view {k} of seed {seed}: {:?}", view.camera);
+            if view.scale >= 1.0 {
+                let clean = SurfaceReport { triangles: report.triangles, ..Default::default() };
+                assert_eq!((report, violations), (clean, 0), "view {k} of seed {seed}: {:?}", view.camera);
+            }
+            assert!(report.triangles > 100);
+        }
+        assert!(levels > 0, "no view mixed levels: the test would prove nothing about them");
+    }
+}
+
+#[test]
+fn forgetting_the_coarser_sides_cracks_the_surface() {
+    let field = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
+    let planet = planet(&field, 16);
+    let cracked = views(&planet, &field, 40).iter().any(|view| draw(&planet, view, &cut(&planet.tree, view, &|_| true), true).0.cracks > 0);
+    assert!(cracked, "the crack test cannot fail");
+}
+
+#[test]
+fn patches_that_are_not_resident_make_a_coarser_picture_without_cracks() {
+    let field = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 8 };
+    let planet = planet(&field, 16);
+    for (k, view) in views(&planet, &field, 30).iter().enumerate() {
+        let missing = |id: PatchId| id.level == 0 || !(u64::from(id.x) * 31 + u64::from(id.y) * 17 + k as u64).is_multiple_of(5);
+        let cut = cut(&planet.tree, view, &missing);
+        let (report, _) = draw(&planet, view, &cut, false);
+        assert_eq!((report.cracks, report.flipped), (0, 0), "view {k}");
+        assert!(cut.leaves.iter().all(|leaf| missing(leaf.id)));
+    }
+}
+
+#[test]
+fn neighbours_differ_by_one_level_at_most() {
+    let field = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
+    let planet = planet(&field, 16);
+    for view in views(&planet, &field, 30) {
+        let leaves: HashMap<PatchId, ()> = cut(&planet.tree, &view, &|_| true).leaves.iter().map(|l| (l.id, ())).collect();
+        for &id in leaves.keys() {
+            for side in terrane_planet::patch::Side::ALL {
+                let mut other = Some(id.neighbour(side));
+                let found = std::iter::from_fn(|| {
+                    let now = other;
+                    other = now.and_then(PatchId::parent);
+                    now
+                })
+                .find(|p| leaves.contains_key(p));
+                assert!(found.is_none_or(|p| id.level - p.level <= 1), "{id} next to {found:?}");
+            }
+        }
+    }
+}

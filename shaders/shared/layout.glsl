@@ -1,0 +1,91 @@
+// Generated from planet/src/layout.rs; regenerate with TERRANE_UPDATE=1 cargo test -p terrane-planet layout.
+
+struct PatchVertex {
+    ivec3 position;
+    uint grid_own;
+    uint parent_coarser;
+};
+
+struct PatchDraw {
+    uvec2 vertices;
+    uvec2 triangles;
+    uint vertex_count;
+    uint triangle_count;
+    uint awake_offset;
+    uint resolve_offset;
+    uint coarser_sides;
+    uint level;
+    uint layer;
+    uint parent_layer;
+    uvec2 quarter;
+    float fade_distance;
+    vec3 grid_axis;
+};
+
+struct Task {
+    uint patch_number;
+    uint first;
+};
+
+struct FrameView {
+    ivec3 anchor;
+    uint culling;
+    vec3 offset;
+    float scale;
+    vec3 planes[5];
+    float falloff;
+    uint cells;
+    float unit;
+    float near;
+    mat4 clip;
+};
+
+struct Shading {
+    vec3 camera;
+    uint mode;
+    vec3 sun;
+    float altitude;
+    vec3 right;
+    float radius;
+    vec3 up;
+    float sea_level;
+    vec3 forward;
+    float scale_height;
+    vec3 rayleigh;
+    float mie;
+    vec3 shallow;
+    float mie_scale_height;
+    vec3 deep;
+    float exposure;
+    vec2 size;
+    float air_top;
+    float time;
+};
+
+struct EmitState {
+    uint wanted;
+    uint capacity;
+    uint index_count;
+    uint instance_count;
+    uint first_index;
+    int vertex_offset;
+    uint first_instance;
+};
+
+const uint CULL_FRUSTUM = 1u;
+const uint CULL_BACK = 2u;
+const uint NO_LAYER = 4294967295u;
+const uint VERTEX_BITS = 15u;
+const uint SELECT_CHUNK = 1024u;
+const uint RESOLVE_CHUNK = 256u;
+const uint EMIT_CHUNK = 256u;
+const uint MODE_SHADED = 0u;
+const uint MODE_WIRE = 1u;
+const uint MODE_LEVELS = 2u;
+const uint MODE_NORMALS = 3u;
+const uint MODE_ALBEDO = 4u;
+const uint MODE_DEPTH = 5u;
+const uint TEXTURE_GUTTER = 4u;
+const uint WAKE_ALWAYS = 65535u;
+const float NO_SEA = -1e30;
+const float STEEPEST_SLOPE = 4.0;
