@@ -7,6 +7,10 @@ const MAGIC: u32 = 0x0723_0203;
 /// Words before the first instruction.
 const HEADER_WORDS: usize = 5;
 
+/// Opcode of the last instruction of every shader.
+const FUNCTION_END: u32 = 56;
+
+/// Numbers of SPIR-V decorations.
 pub(crate) mod decoration {
     pub(crate) const SPEC_ID: u32 = 1;
     pub(crate) const BLOCK: u32 = 2;
@@ -73,6 +77,7 @@ impl Module {
         }
         let mut module = Self::default();
         let mut rest = &words[HEADER_WORDS..];
+        let mut last = 0;
         while let Some(&first) = rest.first() {
             let (length, opcode) = ((first >> 16) as usize, first & 0xffff);
             if length == 0 || length > rest.len() {
@@ -80,6 +85,10 @@ impl Module {
             }
             module.instruction(opcode, &rest[1..length]);
             rest = &rest[length..];
+            last = opcode;
+        }
+        if last != FUNCTION_END {
+            return Err("damaged SPIR-V: its end is missing".to_owned());
         }
         Ok(module)
     }
