@@ -43,7 +43,12 @@ fn build() -> Result<(), String> {
 }
 
 /// Compiles the shaders directly inside `folder`, in the order of their names; a missing folder holds none.
-fn compile_folder(folder: &Path, root: &Path, out: &Path, visibility: &str) -> Result<String, String> {
+fn compile_folder(
+    folder: &Path,
+    root: &Path,
+    out: &Path,
+    visibility: &str,
+) -> Result<String, String> {
     let mut source = String::new();
     let mut names = BTreeMap::new();
     for path in shader_files(folder)? {
@@ -93,8 +98,14 @@ fn compile(path: &Path, root: &Path) -> Result<Vec<u32>, String> {
     let text = fs::read_to_string(path).map_err(|e| format!("{}: {e}", path.display()))?;
     let stage = stage_of(path).ok_or_else(|| format!("{}: unknown stage", path.display()))?;
     let compiler = Compiler::acquire().ok_or("glslang did not start")?;
-    let Some((version, body)) = text.split_once('\n').filter(|(v, _)| v.starts_with("#version")) else {
-        return Err(format!("{}:1: the first line must be `#version 460`", path.display()));
+    let Some((version, body)) = text
+        .split_once('\n')
+        .filter(|(v, _)| v.starts_with("#version"))
+    else {
+        return Err(format!(
+            "{}:1: the first line must be `#version 460`",
+            path.display()
+        ));
     };
     let shader_source = ShaderSource::from(format!("{version}\n{INCLUDE}{body}"));
     let options = CompilerOptions {
@@ -124,7 +135,9 @@ fn compile(path: &Path, root: &Path) -> Result<Vec<u32>, String> {
 fn describe(path: &Path, log: &str) -> String {
     let mut text = format!("shader {} does not compile\n", path.display());
     for line in log.lines().map(str::trim) {
-        let Some(rest) = line.strip_prefix("ERROR: ") else { continue };
+        let Some(rest) = line.strip_prefix("ERROR: ") else {
+            continue;
+        };
         let _ = match rest.strip_prefix("0:") {
             Some(rest) => writeln!(text, "error: {}:{rest}", path.display()),
             None => writeln!(text, "error: {rest}"),
@@ -144,7 +157,9 @@ struct Includes {
 impl Includes {
     fn new(path: &Path, root: &Path) -> Self {
         let own = path.parent().unwrap_or(root).to_path_buf();
-        Self { folders: [own, root.to_path_buf(), root.join("shared")] }
+        Self {
+            folders: [own, root.to_path_buf(), root.join("shared")],
+        }
     }
 }
 
@@ -153,13 +168,18 @@ impl IncludeHandler for Includes {
         self.folders.iter().find_map(|folder| {
             let path = folder.join(name);
             let data = fs::read_to_string(&path).ok()?;
-            Some(IncludeResult { name: path.display().to_string(), data })
+            Some(IncludeResult {
+                name: path.display().to_string(),
+                data,
+            })
         })
     }
 }
 
 fn file_name(path: &Path) -> String {
-    path.file_name().map(|n| n.to_string_lossy().into_owned()).unwrap_or_default()
+    path.file_name()
+        .map(|n| n.to_string_lossy().into_owned())
+        .unwrap_or_default()
 }
 
 fn write_file(path: &Path, bytes: &[u8]) -> Result<(), String> {

@@ -153,7 +153,10 @@ impl RawBuffer {
             Some(end) if end <= self.bytes => Ok(()),
             _ => Err(access(
                 &self.name,
-                format!("{bytes} bytes from {offset} do not fit a buffer of {}", self.bytes),
+                format!(
+                    "{bytes} bytes from {offset} do not fit a buffer of {}",
+                    self.bytes
+                ),
             )),
         }
     }
@@ -162,7 +165,10 @@ impl RawBuffer {
         self.check_range(offset, bytes)?;
         let start = self.allocation.as_ref().and_then(Allocation::mapped_ptr);
         let Some(start) = start else {
-            return Err(access(&self.name, "the host cannot see device memory".to_owned()));
+            return Err(access(
+                &self.name,
+                "the host cannot see device memory".to_owned(),
+            ));
         };
         // SAFETY: the allocation has at least `self.bytes` bytes, and the range was checked against them.
         Ok(unsafe { start.as_ptr().cast::<u8>().add(offset as usize) })
@@ -180,5 +186,8 @@ impl Drop for RawBuffer {
 }
 
 fn access(what: &str, problem: String) -> VulkanError {
-    VulkanError::Access { what: what.to_owned(), problem }
+    VulkanError::Access {
+        what: what.to_owned(),
+        problem,
+    }
 }

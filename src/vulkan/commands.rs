@@ -1,6 +1,6 @@
 //! A command buffer with its fence and timestamps: begin, record, submit, wait; then again.
 //!
-//! What is recorded is in `recording.rs` (compute, copies, barriers) and `rendering.rs` (drawing).
+//! What is recorded is in `recording.rs` (compute, barriers), `copies.rs` and `rendering.rs` (drawing).
 
 use std::any::Any;
 use std::sync::Arc;
@@ -143,24 +143,39 @@ impl Commands {
         let device = self.context.device();
         let all = vk::PipelineStageFlags2::ALL_COMMANDS;
         let semaphore = |semaphore, stages| {
-            vk::SemaphoreSubmitInfo::default().semaphore(semaphore).stage_mask(stages)
+            vk::SemaphoreSubmitInfo::default()
+                .semaphore(semaphore)
+                .stage_mask(stages)
         };
-        let waits: Vec<_> = submission.wait.iter().map(|(s, stages)| semaphore(*s, *stages)).collect();
-        let signals: Vec<_> = submission.signal.iter().map(|s| semaphore(*s, all)).collect();
+        let waits: Vec<_> = submission
+            .wait
+            .iter()
+            .map(|(s, stages)| semaphore(*s, *stages))
+            .collect();
+        let signals: Vec<_> = submission
+            .signal
+            .iter()
+            .map(|s| semaphore(*s, all))
+            .collect();
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.handle)];
         let info = vk::SubmitInfo2::default()
             .wait_semaphore_infos(&waits)
             .signal_semaphore_infos(&signals)
             .command_buffer_infos(&buffers);
+        // Taken before: a software renderer begins within the call.
+        self.submitted_at = Instant::now();
         // SAFETY: the buffer is recording and its resources are kept; fence and queue are not in use elsewhere.
         let submitted = unsafe {
-            device.end_command_buffer(self.handle).map_err(api("vkEndCommandBuffer"))?;
-            device.reset_fences(&[self.fence]).map_err(api("vkResetFences"))?;
+            device
+                .end_command_buffer(self.handle)
+                .map_err(api("vkEndCommandBuffer"))?;
+            device
+                .reset_fences(&[self.fence])
+                .map_err(api("vkResetFences"))?;
             let queue = self.context.queue();
             device.queue_submit2(*queue, &[info], self.fence)
         };
         submitted.map_err(|result| self.failed("vkQueueSubmit2", result))?;
-        self.submitted_at = Instant::now();
         self.state = State::Submitted;
         Ok(())
     }
@@ -175,8 +190,12 @@ impl Commands {
         }
         let nanoseconds = WAIT_LIMIT.as_nanos() as u64;
         // SAFETY: the fence belongs to the submission.
-        unsafe { self.context.device().wait_for_fences(&[self.fence], true, nanoseconds) }
-            .map_err(|result| self.failed("vkWaitForFences", result))?;
+        unsafe {
+            self.context
+                .device()
+                .wait_for_fences(&[self.fence], true, nanoseconds)
+        }
+        .map_err(|result| self.failed("vkWaitForFences", result))?;
         self.state = State::Idle;
         let wall = self.submitted_at.elapsed();
         let timestamps = self.queries.resolve(wall)?;
@@ -203,7 +222,10 @@ impl Commands {
     }
 
     pub(crate) fn misuse(&self, problem: &str) -> VulkanError {
-        VulkanError::Commands { commands: self.name.clone(), problem: problem.to_owned() }
+        VulkanError::Commands {
+            commands: self.name.clone(),
+            problem: problem.to_owned(),
+        }
     }
 
     fn failed(&self, call: &'static str, result: vk::Result) -> VulkanError {

@@ -60,6 +60,19 @@ impl Context {
         Ok((context, surface))
     }
 
+    /// Creates a context with a surface that shows nothing, for tests of the swapchain.
+    #[cfg(test)]
+    pub(crate) fn with_headless_surface(options: &ContextOptions) -> Result<(Arc<Self>, Surface)> {
+        let extensions = [
+            khr::surface::NAME.as_ptr(),
+            ext::headless_surface::NAME.as_ptr(),
+        ];
+        let instance = Arc::new(Instance::new(options.validation, &extensions)?);
+        let surface = Surface::headless(instance.clone())?;
+        let context = Self::on_instance(instance, Some(surface.handle), options)?;
+        Ok((context, surface))
+    }
+
     fn on_instance(
         instance: Arc<Instance>,
         surface: Option<vk::SurfaceKHR>,
@@ -153,13 +166,19 @@ impl Context {
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
-        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
+        self.allocator
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Names an object for validation messages and debuggers.
     pub(crate) fn set_name(&self, handle: impl vk::Handle, name: &str) {
-        let (Some(debug), Ok(name)) = (&self.debug, std::ffi::CString::new(name)) else { return };
-        let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+        let (Some(debug), Ok(name)) = (&self.debug, std::ffi::CString::new(name)) else {
+            return;
+        };
+        let info = vk::DebugUtilsObjectNameInfoEXT::default()
+            .object_handle(handle)
+            .object_name(&name);
         // SAFETY: the object is alive and belongs to this device. A failure costs a name only.
         let _ = unsafe { debug.set_debug_utils_object_name(&info) };
     }
@@ -185,7 +204,12 @@ fn create_device(instance: &Instance, gpu: &Gpu, window: bool) -> Result<ash::De
     if window {
         extensions.push(khr::swapchain::NAME.as_ptr());
     }
-    let Features { v10, mut v11, mut v12, mut v13 } = Features::enabled(&gpu.extras);
+    let Features {
+        v10,
+        mut v11,
+        mut v12,
+        mut v13,
+    } = Features::enabled(&gpu.extras);
     let mut features = vk::PhysicalDeviceFeatures2::default()
         .features(v10)
         .push_next(&mut v11)

@@ -99,7 +99,9 @@ impl GraphicsPipeline {
         description: &GraphicsDescription<'_>,
     ) -> Result<Self> {
         let mut shaders = vec![(description.vertex, vk::ShaderStageFlags::VERTEX)];
-        let fragment = description.fragment.map(|s| (s, vk::ShaderStageFlags::FRAGMENT));
+        let fragment = description
+            .fragment
+            .map(|s| (s, vk::ShaderStageFlags::FRAGMENT));
         shaders.extend(fragment);
         let reflections: Vec<Reflection> = shaders
             .iter()
@@ -129,7 +131,10 @@ fn reflect(
         return Ok(reflection);
     }
     let problem = format!("it is for {:?}, not {stage:?}", reflection.stage);
-    Err(VulkanError::Shader { shader: shader.name.to_owned(), problem })
+    Err(VulkanError::Shader {
+        shader: shader.name.to_owned(),
+        problem,
+    })
 }
 
 fn create(
@@ -140,8 +145,10 @@ fn create(
 ) -> Result<vk::Pipeline> {
     let specialization = Specialization::new(description.specialization);
     let specialization = specialization.info();
-    let modules: Vec<Module<'_>> =
-        shaders.iter().map(|(s, _)| Module::new(context, s)).collect::<Result<_>>()?;
+    let modules: Vec<Module<'_>> = shaders
+        .iter()
+        .map(|(s, _)| Module::new(context, s))
+        .collect::<Result<_>>()?;
     let stage = |(module, (_, stage)): (&Module<'_>, &(Shader<'_>, vk::ShaderStageFlags))| {
         vk::PipelineShaderStageCreateInfo::default()
             .stage(*stage)
@@ -153,8 +160,9 @@ fn create(
     let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
     let assembly =
         vk::PipelineInputAssemblyStateCreateInfo::default().topology(description.topology);
-    let viewport =
-        vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+    let viewport = vk::PipelineViewportStateCreateInfo::default()
+        .viewport_count(1)
+        .scissor_count(1);
     let raster = rasterization(description);
     let samples = vk::PipelineMultisampleStateCreateInfo::default()
         .rasterization_samples(vk::SampleCountFlags::TYPE_1);
@@ -180,7 +188,11 @@ fn create(
         .push_next(&mut rendering);
     let cache = vk::PipelineCache::null();
     // SAFETY: modules, layout and all states outlive the call.
-    let created = unsafe { context.device().create_graphics_pipelines(cache, &[info], None) };
+    let created = unsafe {
+        context
+            .device()
+            .create_graphics_pipelines(cache, &[info], None)
+    };
     let created = created.map_err(|(_, result)| api("vkCreateGraphicsPipelines")(result))?;
     Ok(created[0])
 }
@@ -199,9 +211,10 @@ fn depth_state(test: Option<DepthTest>) -> vk::PipelineDepthStencilStateCreateIn
     let state = vk::PipelineDepthStencilStateCreateInfo::default();
     match test {
         None => state,
-        Some(DepthTest { compare, write }) => {
-            state.depth_test_enable(true).depth_write_enable(write).depth_compare_op(compare)
-        }
+        Some(DepthTest { compare, write }) => state
+            .depth_test_enable(true)
+            .depth_write_enable(write)
+            .depth_compare_op(compare),
     }
 }
 
@@ -214,7 +227,11 @@ fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
         Blend::Add => (F::ONE, F::ONE),
     };
     // Alpha is covered, never multiplied by itself.
-    let alpha = if blend == Blend::Alpha { F::ONE } else { source };
+    let alpha = if blend == Blend::Alpha {
+        F::ONE
+    } else {
+        source
+    };
     vk::PipelineColorBlendAttachmentState::default()
         .color_write_mask(vk::ColorComponentFlags::RGBA)
         .blend_enable(blend != Blend::Replace)

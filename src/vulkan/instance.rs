@@ -26,8 +26,9 @@ impl Instance {
     /// Loads Vulkan and creates an instance with the extensions that a window asks for.
     pub(crate) fn new(validation: bool, window_extensions: &[*const c_char]) -> Result<Self> {
         // SAFETY: the system's Vulkan loader is trusted to be one; nothing of it is used after the entry is dropped.
-        let entry = unsafe { ash::Entry::load() }
-            .map_err(|e| VulkanError::NoLoader { reason: e.to_string() })?;
+        let entry = unsafe { ash::Entry::load() }.map_err(|e| VulkanError::NoLoader {
+            reason: e.to_string(),
+        })?;
         if validation && !has_layer(&entry)? {
             return Err(VulkanError::MissingValidation);
         }
@@ -46,7 +47,13 @@ impl Instance {
         }
         let log = Arc::new(MessageLog::default());
         let handle = create(&entry, validation, &extensions, &log)?;
-        let mut instance = Self { entry, handle, debug_utils, messenger: None, log };
+        let mut instance = Self {
+            entry,
+            handle,
+            debug_utils,
+            messenger: None,
+            log,
+        };
         if validation {
             instance.messenger = Some(instance.create_messenger()?);
         }
@@ -56,8 +63,8 @@ impl Instance {
     /// All physical devices; none is the error `NoDriver`.
     pub(crate) fn physical_devices(&self) -> Result<Vec<vk::PhysicalDevice>> {
         // SAFETY: the instance is alive.
-        let devices = unsafe { self.handle.enumerate_physical_devices() }
-            .map_err(|result| match result {
+        let devices =
+            unsafe { self.handle.enumerate_physical_devices() }.map_err(|result| match result {
                 // What the loader returns when every driver has failed to start.
                 vk::Result::ERROR_INITIALIZATION_FAILED => VulkanError::NoDriver,
                 result => api("vkEnumeratePhysicalDevices")(result),
@@ -68,9 +75,7 @@ impl Instance {
         Ok(devices)
     }
 
-    fn create_messenger(
-        &self,
-    ) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)> {
+    fn create_messenger(&self) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)> {
         let functions = ext::debug_utils::Instance::new(&self.entry, &self.handle);
         // SAFETY: the log outlives the messenger, see `drop`.
         let messenger =
@@ -123,12 +128,16 @@ fn has_layer(entry: &ash::Entry) -> Result<bool> {
     // SAFETY: the loader is alive.
     let layers = unsafe { entry.enumerate_instance_layer_properties() }
         .map_err(api("vkEnumerateInstanceLayerProperties"))?;
-    Ok(layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)))
+    Ok(layers
+        .iter()
+        .any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)))
 }
 
 fn has_extension(entry: &ash::Entry, name: &CStr) -> Result<bool> {
     // SAFETY: the loader is alive.
     let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }
         .map_err(api("vkEnumerateInstanceExtensionProperties"))?;
-    Ok(extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name)))
+    Ok(extensions
+        .iter()
+        .any(|extension| extension.extension_name_as_c_str() == Ok(name)))
 }

@@ -50,7 +50,11 @@ impl Resource<'_> {
     /// Why the resource does not fit a binding, if it does not.
     fn misfit(&self, binding: &Binding) -> Option<String> {
         if self.kind() != binding.kind {
-            return Some(format!("it takes {:?}, not {:?}", binding.kind, self.kind()));
+            return Some(format!(
+                "it takes {:?}, not {:?}",
+                binding.kind,
+                self.kind()
+            ));
         }
         let (buffer, usage) = match self {
             Self::Storage(buffer) => (buffer, Usage::STORAGE_BUFFER),
@@ -100,14 +104,25 @@ impl RawPipeline {
             set_layout: vk::DescriptorSetLayout::null(),
             point,
             bindings: merge(name, shaders)?,
-            stages: shaders.iter().fold(vk::ShaderStageFlags::empty(), |all, s| all | s.stage),
-            push_constant_bytes: shaders.iter().map(|s| s.push_constant_bytes).max().unwrap_or(0),
+            stages: shaders
+                .iter()
+                .fold(vk::ShaderStageFlags::empty(), |all, s| all | s.stage),
+            push_constant_bytes: shaders
+                .iter()
+                .map(|s| s.push_constant_bytes)
+                .max()
+                .unwrap_or(0),
         };
         let limit = context.limits().max_push_constants_size;
         if raw.push_constant_bytes > limit {
-            let problem =
-                format!("{} bytes of push constants; the limit is {limit}", raw.push_constant_bytes);
-            return Err(VulkanError::Shader { shader: name.to_owned(), problem });
+            let problem = format!(
+                "{} bytes of push constants; the limit is {limit}",
+                raw.push_constant_bytes
+            );
+            return Err(VulkanError::Shader {
+                shader: name.to_owned(),
+                problem,
+            });
         }
         raw.create_layouts()?;
         Ok(raw)
@@ -166,7 +181,11 @@ impl RawPipeline {
     }
 
     fn wrong(&self, binding: &str, problem: String) -> VulkanError {
-        VulkanError::Binding { pipeline: self.name.clone(), binding: binding.to_owned(), problem }
+        VulkanError::Binding {
+            pipeline: self.name.clone(),
+            binding: binding.to_owned(),
+            problem,
+        }
     }
 }
 
@@ -196,12 +215,17 @@ impl Specialization {
             size: 4,
         };
         let entries = (0u32..).zip(constants).map(entry).collect();
-        let data = constants.iter().flat_map(|(_, value)| value.to_ne_bytes()).collect();
+        let data = constants
+            .iter()
+            .flat_map(|(_, value)| value.to_ne_bytes())
+            .collect();
         Self { entries, data }
     }
 
     pub(crate) fn info(&self) -> vk::SpecializationInfo<'_> {
-        vk::SpecializationInfo::default().map_entries(&self.entries).data(&self.data)
+        vk::SpecializationInfo::default()
+            .map_entries(&self.entries)
+            .data(&self.data)
     }
 }
 
@@ -225,13 +249,18 @@ fn merge(pipeline: &str, shaders: &[Reflection]) -> Result<Vec<Binding>> {
         if binding.count != 1 {
             return Err(wrong("arrays of resources are not supported".to_owned()));
         }
-        match merged.iter_mut().find(|other| other.number == binding.number) {
+        match merged
+            .iter_mut()
+            .find(|other| other.number == binding.number)
+        {
             Some(other) if other.name == binding.name && other.kind == binding.kind => {
                 other.stages |= binding.stages;
             }
             Some(other) => {
                 let (number, other) = (binding.number, &other.name);
-                return Err(wrong(format!("its number {number} is also that of `{other}`")));
+                return Err(wrong(format!(
+                    "its number {number} is also that of `{other}`"
+                )));
             }
             None => merged.push(binding.clone()),
         }

@@ -58,7 +58,13 @@ pub(crate) fn free(context: &Context, allocation: Allocation) {
 
 pub(crate) fn allocation_error(what: &str, bytes: u64, error: &AllocationError) -> VulkanError {
     match error {
-        AllocationError::OutOfMemory => VulkanError::OutOfMemory { what: what.to_owned(), bytes },
-        other => VulkanError::Access { what: what.to_owned(), problem: other.to_string() },
+        AllocationError::OutOfMemory => VulkanError::OutOfMemory {
+            what: what.to_owned(),
+            bytes,
+        },
+        other => VulkanError::Access {
+            what: what.to_owned(),
+            problem: other.to_string(),
+        },
     }
 }

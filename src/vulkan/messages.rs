@@ -90,9 +90,17 @@ unsafe extern "system" fn receive(
         // SAFETY: both are null or strings that end in a null byte.
         let (id, text) = unsafe { (to_text(data.p_message_id_name), to_text(data.p_message)) };
         let error = severity.contains(vk::DebugUtilsMessageSeverityFlagsEXT::ERROR);
-        let severity = if error { Severity::Error } else { Severity::Warning };
+        let severity = if error {
+            Severity::Error
+        } else {
+            Severity::Warning
+        };
         tracing::warn!(?severity, "{text}");
-        log.push(ValidationMessage { severity, id: id.into_owned(), text: text.into_owned() });
+        log.push(ValidationMessage {
+            severity,
+            id: id.into_owned(),
+            text: text.into_owned(),
+        });
     }
     vk::FALSE
 }

@@ -8,6 +8,7 @@ mod capture;
 mod commands;
 mod compute;
 mod context;
+mod copies;
 mod error;
 mod features;
 mod gpu;

@@ -1,4 +1,4 @@
-//! What commands record outside rendering: barriers, zones, compute and copies.
+//! What commands record outside rendering: barriers, zones and compute.
 
 use std::any::Any;
 use std::ffi::CString;
@@ -10,7 +10,7 @@ use bytemuck::NoUninit;
 use super::buffer::Buffer;
 use super::commands::Commands;
 use super::error::{Result, VulkanError};
-use super::image::{aspect, Image, ImageView};
+use super::image::ImageView;
 use super::layout::{Bindable, RawPipeline, Resource};
 use super::synchronization::{union, Access};
 
@@ -78,11 +78,7 @@ impl Commands {
     ///
     /// # Errors
     /// Those of `body`; not recording, or rendering.
-    pub fn zone<R>(
-        &mut self,
-        name: &str,
-        body: impl FnOnce(&mut Self) -> Result<R>,
-    ) -> Result<R> {
+    pub fn zone<R>(&mut self, name: &str, body: impl FnOnce(&mut Self) -> Result<R>) -> Result<R> {
         let commands = self.outside_rendering()?;
         self.begin_label(commands, name);
         let number = self.queries.begin(commands, name);
@@ -107,7 +103,11 @@ impl Commands {
         let raw = pipeline.raw().0;
         let matched = raw.match_resources(resources)?;
         // SAFETY: the commands are recording, and the pipeline is kept below.
-        unsafe { self.context.device().cmd_bind_pipeline(commands, raw.point, raw.handle) };
+        unsafe {
+            self.context
+                .device()
+                .cmd_bind_pipeline(commands, raw.point, raw.handle)
+        };
         self.push_resources(commands, raw, &matched);
         for (_, resource) in &matched {
             resource.keep(&mut self.kept);
@@ -138,7 +138,9 @@ impl Commands {
         let (layout, stages) = (pipeline.layout, pipeline.stages);
         // SAFETY: the commands are recording, the layout is alive and takes these bytes.
         unsafe {
-            self.context.device().cmd_push_constants(commands, layout, stages, 0, bytes);
+            self.context
+                .device()
+                .cmd_push_constants(commands, layout, stages, 0, bytes);
         }
         Ok(())
     }
@@ -151,7 +153,11 @@ impl Commands {
         let commands = self.outside_rendering()?;
         self.check_bound(vk::PipelineBindPoint::COMPUTE)?;
         let most = self.context.limits().max_compute_work_group_count;
-        if [x, y, z].iter().zip(most).any(|(count, most)| *count > most) {
+        if [x, y, z]
+            .iter()
+            .zip(most)
+            .any(|(count, most)| *count > most)
+        {
             let problem = format!("{x} × {y} × {z} workgroups; the limits are {most:?}");
             return Err(self.misuse(&problem));
         }
@@ -174,132 +180,22 @@ impl Commands {
         self.dispatch(workgroups.div_ceil(rows), rows, 1)
     }
 
-    /// Sets every 32-bit word of a range, in bytes that are multiples of 4.
-    ///
-    /// # Errors
-    /// A range past the end, empty or not of whole words.
-    pub fn fill_buffer(&mut self, buffer: &Buffer, offset: u64, bytes: u64, word: u32) -> Result<()> {
-        let commands = self.outside_rendering()?;
-        buffer.raw.check_range(offset, bytes)?;
-        if bytes == 0 || offset % 4 != 0 || bytes % 4 != 0 {
-            return Err(self.misuse("fill_buffer needs a range of whole 32-bit words"));
-        }
-        self.keep(buffer);
-        // SAFETY: the commands are recording, the range is checked.
-        unsafe {
-            let device = self.context.device();
-            device.cmd_fill_buffer(commands, buffer.raw.handle, offset, bytes, word);
-        }
-        Ok(())
-    }
-
-    /// Copies bytes from one buffer to another.
-    ///
-    /// # Errors
-    /// A range past the end, or empty.
-    pub fn copy_buffer(
-        &mut self,
-        from: (&Buffer, u64),
-        to: (&Buffer, u64),
-        bytes: u64,
-    ) -> Result<()> {
-        let commands = self.outside_rendering()?;
-        let ((source, source_offset), (target, target_offset)) = (from, to);
-        source.raw.check_range(source_offset, bytes)?;
-        target.raw.check_range(target_offset, bytes)?;
-        if bytes == 0 {
-            return Err(self.misuse("copy_buffer of 0 bytes"));
-        }
-        self.keep(source);
-        self.keep(target);
-        let region =
-            vk::BufferCopy { src_offset: source_offset, dst_offset: target_offset, size: bytes };
-        let (source, target) = (source.raw.handle, target.raw.handle);
-        // SAFETY: the commands are recording, the ranges are checked.
-        unsafe { self.context.device().cmd_copy_buffer(commands, source, target, &[region]) };
-        Ok(())
-    }
-
-    /// Copies tightly packed texels from `offset` (a multiple of 4 and of the texel size) to a layer and level, which is
-    /// in the layout of [`Access::TransferWrite`].
-    ///
-    /// # Errors
-    /// A layer or level that does not exist, or too small a buffer.
-    pub fn copy_buffer_to_image(
-        &mut self,
-        from: (&Buffer, u64),
-        image: &Image,
-        layer: u32,
-        mip: u32,
-    ) -> Result<()> {
-        let (commands, region) = self.image_copy(from, image, layer, mip)?;
-        let (source, target) = (from.0.raw.handle, image.raw().handle);
-        let (_, _, layout) = Access::TransferWrite.parts();
-        // SAFETY: the commands are recording, the region is checked, buffer and image are kept.
-        unsafe {
-            let device = self.context.device();
-            device.cmd_copy_buffer_to_image(commands, source, target, layout, &[region]);
-        }
-        Ok(())
-    }
-
-    /// Copies a layer and level, which is in the layout of [`Access::TransferRead`], to tightly packed texels.
-    ///
-    /// # Errors
-    /// As [`copy_buffer_to_image`](Self::copy_buffer_to_image).
-    pub fn copy_image_to_buffer(
-        &mut self,
-        image: &Image,
-        layer: u32,
-        mip: u32,
-        to: (&Buffer, u64),
-    ) -> Result<()> {
-        let (commands, region) = self.image_copy(to, image, layer, mip)?;
-        let (source, target) = (image.raw().handle, to.0.raw.handle);
-        let (_, _, layout) = Access::TransferRead.parts();
-        // SAFETY: the commands are recording, the region is checked, buffer and image are kept.
-        unsafe {
-            let device = self.context.device();
-            device.cmd_copy_image_to_buffer(commands, source, layout, target, &[region]);
-        }
-        Ok(())
-    }
-
-    fn image_copy(
-        &mut self,
-        (buffer, offset): (&Buffer, u64),
-        image: &Image,
-        layer: u32,
-        mip: u32,
-    ) -> Result<(vk::CommandBuffer, vk::BufferImageCopy)> {
-        let commands = self.outside_rendering()?;
-        image.check(layer, mip)?;
-        let bytes = super::capture::layer_bytes(image, mip)?;
-        buffer.raw.check_range(offset, bytes)?;
-        self.keep(buffer);
-        self.keep_raw(image.view().raw.clone());
-        let (width, height) = image.mip_size(mip);
-        let region = vk::BufferImageCopy::default()
-            .buffer_offset(offset)
-            .image_subresource(vk::ImageSubresourceLayers {
-                aspect_mask: aspect(image.format()),
-                mip_level: mip,
-                base_array_layer: layer,
-                layer_count: 1,
-            })
-            .image_extent(vk::Extent3D { width, height, depth: 1 });
-        Ok((commands, region))
-    }
-
     fn pipeline_barrier(&mut self, dependency: &vk::DependencyInfo<'_>) -> Result<()> {
         let commands = self.outside_rendering()?;
         // SAFETY: the commands are recording outside rendering; images are kept by the caller.
-        unsafe { self.context.device().cmd_pipeline_barrier2(commands, dependency) };
+        unsafe {
+            self.context
+                .device()
+                .cmd_pipeline_barrier2(commands, dependency)
+        };
         Ok(())
     }
 
     fn execution_barrier(&mut self) -> Result<()> {
-        let (all, none) = (vk::PipelineStageFlags2::ALL_COMMANDS, vk::AccessFlags2::NONE);
+        let (all, none) = (
+            vk::PipelineStageFlags2::ALL_COMMANDS,
+            vk::AccessFlags2::NONE,
+        );
         self.memory_barrier(all, none, all, none)
     }
 
@@ -312,9 +208,15 @@ impl Commands {
         if matched.is_empty() {
             return;
         }
-        let infos: Vec<_> = matched.iter().map(|(_, resource)| Info::new(resource)).collect();
-        let writes: Vec<_> =
-            matched.iter().zip(&infos).map(|((number, _), info)| info.write(*number)).collect();
+        let infos: Vec<_> = matched
+            .iter()
+            .map(|(_, resource)| Info::new(resource))
+            .collect();
+        let writes: Vec<_> = matched
+            .iter()
+            .zip(&infos)
+            .map(|((number, _), info)| info.write(*number))
+            .collect();
         let (point, layout) = (pipeline.point, pipeline.layout);
         let functions = self.context.push_descriptor();
         // SAFETY: the commands are recording; layout and resources are alive and of the right kinds.
@@ -336,7 +238,9 @@ impl Commands {
     }
 
     fn begin_label(&self, commands: vk::CommandBuffer, name: &str) {
-        let (Some(debug), Ok(name)) = (self.context.debug(), CString::new(name)) else { return };
+        let (Some(debug), Ok(name)) = (self.context.debug(), CString::new(name)) else {
+            return;
+        };
         let label = vk::DebugUtilsLabelEXT::default().label_name(&name);
         // SAFETY: the commands are recording.
         unsafe { debug.cmd_begin_debug_utils_label(commands, &label) };
@@ -359,11 +263,15 @@ enum Info {
 impl Info {
     fn new(resource: &Resource<'_>) -> Self {
         let whole = |buffer: &Buffer| {
-            [vk::DescriptorBufferInfo::default().buffer(buffer.raw.handle).range(vk::WHOLE_SIZE)]
+            [vk::DescriptorBufferInfo::default()
+                .buffer(buffer.raw.handle)
+                .range(vk::WHOLE_SIZE)]
         };
         let image = |view: &ImageView, access: Access| {
             let (_, _, layout) = access.parts();
-            vk::DescriptorImageInfo::default().image_view(view.raw.handle).image_layout(layout)
+            vk::DescriptorImageInfo::default()
+                .image_view(view.raw.handle)
+                .image_layout(layout)
         };
         match resource {
             Resource::Storage(buffer) => {

@@ -73,7 +73,10 @@ impl Reflection {
     /// Damaged SPIR-V, another stage than vertex, fragment and compute, an entry point other than `main`, a descriptor
     /// set other than 0, separate samplers, or arrays of unknown length.
     pub fn new(shader: &Shader<'_>, specialization: &[(u32, u32)]) -> Result<Self> {
-        let fail = |problem| VulkanError::Shader { shader: shader.name.to_owned(), problem };
+        let fail = |problem| VulkanError::Shader {
+            shader: shader.name.to_owned(),
+            problem,
+        };
         let mut module = Module::parse(shader.words).map_err(fail)?;
         specialize(&mut module, specialization);
         let stage = stage(&module).map_err(fail)?;
@@ -88,14 +91,21 @@ impl Reflection {
         }
         bindings.sort_by_key(|binding| binding.number);
         let workgroup_size = workgroup_size(&module);
-        Ok(Self { stage, bindings, push_constant_bytes, workgroup_size })
+        Ok(Self {
+            stage,
+            bindings,
+            push_constant_bytes,
+            workgroup_size,
+        })
     }
 }
 
 fn specialize(module: &mut Module, specialization: &[(u32, u32)]) {
     let ids: Vec<u32> = module.constants.keys().copied().collect();
     for id in ids {
-        let Some(spec) = module.decoration(id, decoration::SPEC_ID) else { continue };
+        let Some(spec) = module.decoration(id, decoration::SPEC_ID) else {
+            continue;
+        };
         if let Some((_, value)) = specialization.iter().find(|(wanted, _)| *wanted == spec) {
             module.constants.insert(id, *value);
         }
@@ -103,7 +113,9 @@ fn specialize(module: &mut Module, specialization: &[(u32, u32)]) {
 }
 
 fn stage(module: &Module) -> std::result::Result<vk::ShaderStageFlags, String> {
-    let Some((model, name)) = &module.entry else { return Err("no entry point".to_owned()) };
+    let Some((model, name)) = &module.entry else {
+        return Err("no entry point".to_owned());
+    };
     if name != "main" {
         return Err(format!("the entry point is `{name}`, expected `main`"));
     }
@@ -144,22 +156,34 @@ fn binding(
     variable: &Variable,
     stages: vk::ShaderStageFlags,
 ) -> std::result::Result<Option<Binding>, String> {
-    let resource = [class::UNIFORM_CONSTANT, class::UNIFORM, class::STORAGE_BUFFER];
+    let resource = [
+        class::UNIFORM_CONSTANT,
+        class::UNIFORM,
+        class::STORAGE_BUFFER,
+    ];
     if !resource.contains(&variable.class) {
         return Ok(None);
     }
     let (type_id, count) = element(module, pointee(module, variable));
     let name = name(module, variable.id, type_id);
     let number = module.decoration(variable.id, decoration::BINDING);
-    let Some(number) = number else { return Err(format!("`{name}` has no binding number")) };
-    let set = module.decoration(variable.id, decoration::DESCRIPTOR_SET).unwrap_or(0);
+    let Some(number) = number else {
+        return Err(format!("`{name}` has no binding number"));
+    };
+    let set = module
+        .decoration(variable.id, decoration::DESCRIPTOR_SET)
+        .unwrap_or(0);
     if set != 0 {
-        return Err(format!("`{name}` is in descriptor set {set}; there is set 0 only"));
+        return Err(format!(
+            "`{name}` is in descriptor set {set}; there is set 0 only"
+        ));
     }
     if count == 0 {
         return Err(format!("`{name}` is an array of unknown length"));
     }
-    let buffer_block = module.decoration(type_id, decoration::BUFFER_BLOCK).is_some();
+    let buffer_block = module
+        .decoration(type_id, decoration::BUFFER_BLOCK)
+        .is_some();
     let block = module.decoration(type_id, decoration::BLOCK).is_some();
     let kind = match (variable.class, module.types.get(&type_id)) {
         (class::STORAGE_BUFFER, _) => BindingKind::Storage,
@@ -172,21 +196,33 @@ fn binding(
         }
         _ => return Err(format!("`{name}` is of a kind that is not supported")),
     };
-    Ok(Some(Binding { name, number, kind, count, stages }))
+    Ok(Some(Binding {
+        name,
+        number,
+        kind,
+        count,
+        stages,
+    }))
 }
 
 /// The element type and length of an array; the type itself and 1 for others; length 0 if it is not known.
 fn element(module: &Module, type_id: u32) -> (u32, u32) {
     match module.types.get(&type_id) {
-        Some(Type::Array(of, length)) => {
-            (*of, module.constants.get(length).copied().unwrap_or(0))
-        }
+        Some(Type::Array(of, length)) => (*of, module.constants.get(length).copied().unwrap_or(0)),
         Some(Type::RuntimeArray) => (type_id, 0),
         _ => (type_id, 1),
     }
 }
 
 fn name(module: &Module, variable: u32, type_id: u32) -> String {
-    let named = |id| module.names.get(&id).filter(|name| !name.is_empty()).cloned();
-    named(variable).or_else(|| named(type_id)).unwrap_or_default()
+    let named = |id| {
+        module
+            .names
+            .get(&id)
+            .filter(|name| !name.is_empty())
+            .cloned()
+    };
+    named(variable)
+        .or_else(|| named(type_id))
+        .unwrap_or_default()
 }

@@ -41,7 +41,12 @@ impl Commands {
         depth: Option<DepthTarget<'_>>,
     ) -> Result<()> {
         let commands = self.outside_rendering()?;
-        let views = || colors.iter().map(|c| c.view).chain(depth.iter().map(|d| d.view));
+        let views = || {
+            colors
+                .iter()
+                .map(|c| c.view)
+                .chain(depth.iter().map(|d| d.view))
+        };
         let Some(size) = views().next().map(ImageView::size) else {
             return Err(self.misuse("begin_rendering without a target"));
         };
@@ -99,7 +104,11 @@ impl Commands {
     pub fn draw(&mut self, vertices: u32, instances: u32) -> Result<()> {
         let commands = self.drawing()?;
         // SAFETY: the commands are rendering, and a graphics pipeline with its resources is bound.
-        unsafe { self.context.device().cmd_draw(commands, vertices, instances, 0, 0) };
+        unsafe {
+            self.context
+                .device()
+                .cmd_draw(commands, vertices, instances, 0, 0)
+        };
         Ok(())
     }
 
@@ -116,7 +125,8 @@ impl Commands {
         let commands = self.drawing()?;
         arguments.raw.check_range(offset, DRAW_BYTES)?;
         let indexed = indices.raw.usage.contains(Usage::INDEX_BUFFER);
-        if !indexed || !arguments.raw.usage.contains(Usage::INDIRECT_BUFFER) || offset % 4 != 0 {
+        let indirect = arguments.raw.usage.contains(Usage::INDIRECT_BUFFER);
+        if !indexed || !indirect || !offset.is_multiple_of(4) {
             return Err(self.misuse(
                 "draw_indexed_indirect needs an INDEX_BUFFER, an INDIRECT_BUFFER and an offset of whole words",
             ));
@@ -147,9 +157,15 @@ impl Commands {
 }
 
 fn color_attachment<'a>(target: &ColorTarget<'a>) -> vk::RenderingAttachmentInfo<'a> {
-    let color = vk::ClearColorValue { float32: target.clear.unwrap_or_default() };
+    let color = vk::ClearColorValue {
+        float32: target.clear.unwrap_or_default(),
+    };
     let clear = vk::ClearValue { color };
-    attachment(target.view, Access::ColorTarget, target.clear.map(|_| clear))
+    attachment(
+        target.view,
+        Access::ColorTarget,
+        target.clear.map(|_| clear),
+    )
 }
 
 fn depth_attachment<'a>(target: &DepthTarget<'a>) -> vk::RenderingAttachmentInfo<'a> {
@@ -165,7 +181,11 @@ fn attachment<'a>(
     clear: Option<vk::ClearValue>,
 ) -> vk::RenderingAttachmentInfo<'a> {
     let (_, _, layout) = access.parts();
-    let load = if clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
+    let load = if clear.is_some() {
+        vk::AttachmentLoadOp::CLEAR
+    } else {
+        vk::AttachmentLoadOp::LOAD
+    };
     vk::RenderingAttachmentInfo::default()
         .image_view(view.raw.handle)
         .image_layout(layout)

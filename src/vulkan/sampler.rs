@@ -50,8 +50,11 @@ impl Sampler {
         description: &SamplerDescription,
     ) -> Result<Self> {
         let linear = description.filter == vk::Filter::LINEAR;
-        let mipmap =
-            if linear { vk::SamplerMipmapMode::LINEAR } else { vk::SamplerMipmapMode::NEAREST };
+        let mipmap = if linear {
+            vk::SamplerMipmapMode::LINEAR
+        } else {
+            vk::SamplerMipmapMode::NEAREST
+        };
         let most = if context.extras().anisotropy {
             context.limits().max_sampler_anisotropy
         } else {
@@ -72,7 +75,12 @@ impl Sampler {
         let handle = unsafe { context.device().create_sampler(&info, None) }
             .map_err(api("vkCreateSampler"))?;
         context.set_name(handle, name);
-        Ok(Self { raw: Arc::new(RawSampler { context: context.clone(), handle }) })
+        Ok(Self {
+            raw: Arc::new(RawSampler {
+                context: context.clone(),
+                handle,
+            }),
+        })
     }
 }
 

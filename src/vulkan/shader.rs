@@ -34,6 +34,10 @@ impl<'a> Module<'a> {
 impl Drop for Module<'_> {
     fn drop(&mut self) {
         // SAFETY: pipelines do not need their modules once built.
-        unsafe { self.context.device().destroy_shader_module(self.handle, None) };
+        unsafe {
+            self.context
+                .device()
+                .destroy_shader_module(self.handle, None)
+        };
     }
 }

@@ -70,7 +70,10 @@ impl Swapchain {
         let instance = &context.instance().handle;
         let slot = |name| -> Result<Slot> {
             let commands = Some(Commands::new(context, name)?);
-            Ok(Slot { commands, acquired: Semaphore::new(context)? })
+            Ok(Slot {
+                commands,
+                acquired: Semaphore::new(context)?,
+            })
         };
         let mut swapchain = Self {
             context: context.clone(),
@@ -96,7 +99,9 @@ impl Swapchain {
 
     /// Width and height of the images; (0, 0) while there are none.
     pub fn size(&self) -> (u32, u32) {
-        self.images.first().map_or((0, 0), |target| target.view.size())
+        self.images
+            .first()
+            .map_or((0, 0), |target| target.view.size())
     }
 
     /// Tells the window's new size; the next frame has it.
@@ -116,21 +121,33 @@ impl Swapchain {
             return Err(self.not_presented());
         };
         // Also makes the semaphore `acquired` free again.
-        let timestamps = if commands.is_pending() { Some(commands.wait()?) } else { None };
+        let timestamps = if commands.is_pending() {
+            Some(commands.wait()?)
+        } else {
+            None
+        };
         if self.outdated {
             self.recreate()?;
         }
         if self.handle == vk::SwapchainKHR::null() {
             return Ok(None);
         }
-        let Some(image) = self.acquire_image(slot)? else { return Ok(None) };
+        let Some(image) = self.acquire_image(slot)? else {
+            return Ok(None);
+        };
         let Some(mut commands) = self.slots[slot].commands.take() else {
             return Err(self.not_presented());
         };
         commands.begin()?;
         let target = self.images[image as usize].view.clone();
         self.next = (slot + 1) % FRAMES_IN_FLIGHT;
-        Ok(Some(Frame { commands, target, timestamps, image, slot }))
+        Ok(Some(Frame {
+            commands,
+            target,
+            timestamps,
+            image,
+            slot,
+        }))
     }
 
     /// Submits a frame and shows it.
@@ -138,7 +155,12 @@ impl Swapchain {
     /// # Errors
     /// Device loss, or a window that is gone.
     pub fn present(&mut self, frame: Frame) -> Result<()> {
-        let Frame { mut commands, image, slot, .. } = frame;
+        let Frame {
+            mut commands,
+            image,
+            slot,
+            ..
+        } = frame;
         // Other stages, culling above all, need not wait for the screen.
         let stages = vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT
             | vk::PipelineStageFlags2::ALL_TRANSFER;
@@ -172,7 +194,8 @@ impl Swapchain {
         let limit = WAIT_LIMIT.as_nanos() as u64;
         // SAFETY: the swapchain is alive; nothing waits for the semaphore any more.
         let acquired = unsafe {
-            self.functions.acquire_next_image(self.handle, limit, semaphore, vk::Fence::null())
+            self.functions
+                .acquire_next_image(self.handle, limit, semaphore, vk::Fence::null())
         };
         match acquired {
             Ok((image, suboptimal)) => {
@@ -193,7 +216,9 @@ impl Swapchain {
         let gpu = self.context.gpu().handle;
         // SAFETY: device and surface belong to the same instance.
         let can = unsafe {
-            self.surface.functions.get_physical_device_surface_capabilities(gpu, self.surface.handle)
+            self.surface
+                .functions
+                .get_physical_device_surface_capabilities(gpu, self.surface.handle)
         }
         .map_err(api("vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))?;
         let extent = choose_extent(&can, self.size);
@@ -217,7 +242,11 @@ impl Swapchain {
         extent: vk::Extent2D,
         old: vk::SwapchainKHR,
     ) -> Result<()> {
-        let most = if can.max_image_count == 0 { u32::MAX } else { can.max_image_count };
+        let most = if can.max_image_count == 0 {
+            u32::MAX
+        } else {
+            can.max_image_count
+        };
         // Copying from the images, for pictures of the window, where the driver allows it.
         let copy = vk::ImageUsageFlags::TRANSFER_SRC & can.supported_usage_flags;
         let info = vk::SwapchainCreateInfoKHR::default()
@@ -243,7 +272,10 @@ impl Swapchain {
             let name = format!("swapchain {index}");
             let raw = RawImage::borrowed(&self.context, name, image, self.format, extent);
             let view = ImageView::new(Arc::new(raw), 0..1, 0..1, false)?;
-            self.images.push(Target { view, drawn: Semaphore::new(&self.context)? });
+            self.images.push(Target {
+                view,
+                drawn: Semaphore::new(&self.context)?,
+            });
         }
         Ok(())
     }
@@ -252,12 +284,18 @@ impl Swapchain {
         let gpu = self.context.gpu().handle;
         // SAFETY: device and surface belong to the same instance.
         let modes = unsafe {
-            self.surface.functions.get_physical_device_surface_present_modes(gpu, self.surface.handle)
+            self.surface
+                .functions
+                .get_physical_device_surface_present_modes(gpu, self.surface.handle)
         }
         .map_err(api("vkGetPhysicalDeviceSurfacePresentModesKHR"))?;
         let mailbox = self.mailbox && modes.contains(&vk::PresentModeKHR::MAILBOX);
         // FIFO exists everywhere.
-        Ok(if mailbox { vk::PresentModeKHR::MAILBOX } else { vk::PresentModeKHR::FIFO })
+        Ok(if mailbox {
+            vk::PresentModeKHR::MAILBOX
+        } else {
+            vk::PresentModeKHR::FIFO
+        })
     }
 
     fn not_presented(&self) -> VulkanError {
@@ -289,7 +327,10 @@ impl Semaphore {
         // SAFETY: the device is alive.
         let handle = unsafe { context.device().create_semaphore(&info, None) }
             .map_err(api("vkCreateSemaphore"))?;
-        Ok(Self { context: context.clone(), handle })
+        Ok(Self {
+            context: context.clone(),
+            handle,
+        })
     }
 }
 
@@ -303,14 +344,19 @@ impl Drop for Semaphore {
 fn choose_format(context: &Context, surface: &Surface) -> Result<vk::Format> {
     let gpu = context.gpu().handle;
     // SAFETY: device and surface belong to the same instance.
-    let formats =
-        unsafe { surface.functions.get_physical_device_surface_formats(gpu, surface.handle) }
-            .map_err(api("vkGetPhysicalDeviceSurfaceFormatsKHR"))?;
+    let formats = unsafe {
+        surface
+            .functions
+            .get_physical_device_surface_formats(gpu, surface.handle)
+    }
+    .map_err(api("vkGetPhysicalDeviceSurfaceFormatsKHR"))?;
     let wanted = [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM];
     let srgb = vk::ColorSpaceKHR::SRGB_NONLINEAR;
-    let found = wanted
-        .into_iter()
-        .find(|want| formats.iter().any(|f| f.format == *want && f.color_space == srgb));
+    let found = wanted.into_iter().find(|want| {
+        formats
+            .iter()
+            .any(|f| f.format == *want && f.color_space == srgb)
+    });
     found.ok_or_else(|| VulkanError::Access {
         what: "window".to_owned(),
         problem: "it has no format of 8-bit RGBA or BGRA".to_owned(),

@@ -52,9 +52,11 @@ impl Access {
             Self::IndirectRead => (S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED),
             Self::IndexRead => (S::INDEX_INPUT, A::INDEX_READ, L::UNDEFINED),
             Self::GraphicsRead => (graphics, read | A::UNIFORM_READ, L::GENERAL),
-            Self::Sampled => {
-                (graphics | S::COMPUTE_SHADER, A::SHADER_SAMPLED_READ, L::SHADER_READ_ONLY_OPTIMAL)
-            }
+            Self::Sampled => (
+                graphics | S::COMPUTE_SHADER,
+                A::SHADER_SAMPLED_READ,
+                L::SHADER_READ_ONLY_OPTIMAL,
+            ),
             Self::ColorTarget => (
                 S::COLOR_ATTACHMENT_OUTPUT,
                 A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
@@ -73,8 +75,10 @@ impl Access {
 
 /// The union of the stages and accesses of several accesses.
 pub(crate) fn union(accesses: &[Access]) -> (S, A) {
-    accesses.iter().fold((S::NONE, A::NONE), |(stages, memory), access| {
-        let (s, a, _) = access.parts();
-        (stages | s, memory | a)
-    })
+    accesses
+        .iter()
+        .fold((S::NONE, A::NONE), |(stages, memory), access| {
+            let (s, a, _) = access.parts();
+            (stages | s, memory | a)
+        })
 }

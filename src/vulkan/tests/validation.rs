@@ -2,9 +2,7 @@
 
 use super::device;
 use crate::shaders::test::BALLOT_COMP;
-use crate::vulkan::{
-    Access, Buffer, Commands, ComputePipeline, Memory, Resource, Severity, Usage,
-};
+use crate::vulkan::{Access, Buffer, Commands, ComputePipeline, Memory, Resource, Severity, Usage};
 
 /// Fills a buffer and counts into it, with or without a barrier between.
 fn fill_and_count(barrier: bool) -> Option<Vec<crate::vulkan::ValidationMessage>> {
@@ -28,14 +26,25 @@ fn fill_and_count(barrier: bool) -> Option<Vec<crate::vulkan::ValidationMessage>
 
 #[test]
 fn a_missing_barrier_is_reported() {
-    let Some(messages) = fill_and_count(false) else { return };
-    let hazard = messages.iter().find(|m| m.id.starts_with("SYNC-HAZARD")).expect("a hazard");
+    let Some(messages) = fill_and_count(false) else {
+        return;
+    };
+    let hazard = messages
+        .iter()
+        .find(|m| m.id.starts_with("SYNC-HAZARD"))
+        .expect("a hazard");
     assert_eq!(hazard.severity, Severity::Error);
-    assert!(hazard.text.contains("counts"), "names are passed on: {}", hazard.text);
+    assert!(
+        hazard.text.contains("counts"),
+        "names are passed on: {}",
+        hazard.text
+    );
 }
 
 #[test]
 fn the_same_commands_with_the_barrier_are_clean() {
-    let Some(messages) = fill_and_count(true) else { return };
+    let Some(messages) = fill_and_count(true) else {
+        return;
+    };
     assert!(messages.is_empty(), "{messages:?}");
 }
