@@ -1,1 +1,4 @@
 //! placeholder
+
+pub mod shaders;
+pub mod vulkan;
