@@ -1,7 +1,6 @@
-// Generated from planet/src/layout.rs: reads every member of every structure back (tests only).
 #version 460
+// Generated from planet/src/layout.rs: reads every member of every structure back (tests only).
 #extension GL_EXT_scalar_block_layout : require
-#extension GL_GOOGLE_include_directive : require
 #include "layout.glsl"
 
 layout(local_size_x = 1) in;
@@ -125,6 +124,7 @@ void main() {
     words[at++] = bits(shading.time);
     words[at++] = bits(emitstate.wanted);
     words[at++] = bits(emitstate.capacity);
+    words[at++] = bits(emitstate.awake);
     words[at++] = bits(emitstate.index_count);
     words[at++] = bits(emitstate.instance_count);
     words[at++] = bits(emitstate.first_index);

@@ -186,6 +186,8 @@ gpu_structs! {
         wanted: u32,
         /// Triangles the index buffer holds.
         capacity: u32,
+        /// Awake vertices of all patches (border vertices count once for each patch).
+        awake: u32,
         /// `VkDrawIndexedIndirectCommand`.
         index_count: u32,
         /// Always 1.
@@ -292,7 +294,8 @@ impl GridDirections {
 /// The generated GLSL: all structures and shared constants.
 pub fn glsl() -> String {
     let mut text = String::from(
-        "// Generated from planet/src/layout.rs; regenerate with TERRANE_UPDATE=1 cargo test -p terrane-planet layout.\n\n",
+        "// Generated from planet/src/layout.rs; regenerate with TERRANE_UPDATE=1 cargo test -p terrane-planet layout.\n\n\
+         #ifndef TERRANE_LAYOUT\n#define TERRANE_LAYOUT\n\n",
     );
     for (name, members, _) in structures() {
         let _ = writeln!(text, "struct {name} {{\n    {}\n}};\n", members.join("\n    "));
@@ -318,16 +321,15 @@ pub fn glsl() -> String {
         let _ = writeln!(text, "const uint {name} = {value}u;");
     }
     let _ = writeln!(text, "const float NO_SEA = {NO_SEA:e};");
-    let _ = writeln!(text, "const float STEEPEST_SLOPE = {:?};", crate::texture::STEEPEST);
+    text.push_str("\n#endif\n");
     text
 }
 
 /// GLSL of a compute shader that copies every word of one of each structure into a buffer, in order.
 pub fn probe_glsl() -> String {
     let mut text = String::from(
-        "// Generated from planet/src/layout.rs: reads every member of every structure back (tests only).\n#version 460\n\
-         #extension GL_EXT_scalar_block_layout : require\n#extension GL_GOOGLE_include_directive : require\n\
-         #include \"layout.glsl\"\n\nlayout(local_size_x = 1) in;\n",
+        "#version 460\n// Generated from planet/src/layout.rs: reads every member of every structure back (tests only).\n\
+         #extension GL_EXT_scalar_block_layout : require\n#include \"layout.glsl\"\n\nlayout(local_size_x = 1) in;\n",
     );
     let mut body = String::new();
     for (binding, (name, _, words)) in structures().into_iter().enumerate() {

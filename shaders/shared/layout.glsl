@@ -1,5 +1,8 @@
 // Generated from planet/src/layout.rs; regenerate with TERRANE_UPDATE=1 cargo test -p terrane-planet layout.
 
+#ifndef TERRANE_LAYOUT
+#define TERRANE_LAYOUT
+
 struct PatchVertex {
     ivec3 position;
     uint grid_own;
@@ -65,6 +68,7 @@ struct Shading {
 struct EmitState {
     uint wanted;
     uint capacity;
+    uint awake;
     uint index_count;
     uint instance_count;
     uint first_index;
@@ -88,4 +92,5 @@ const uint MODE_DEPTH = 5u;
 const uint TEXTURE_GUTTER = 4u;
 const uint WAKE_ALWAYS = 65535u;
 const float NO_SEA = -1e30;
-const float STEEPEST_SLOPE = 4.0;
+
+#endif

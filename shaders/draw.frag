@@ -1,0 +1,80 @@
+#version 460
+// Ground: normals and albedo from per-patch textures, never from the triangles, lit by the sun and the sky.
+#include "frame.glsl"
+#include "light.glsl"
+
+layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
+layout(binding = 2) uniform sampler2DArray slopes;
+layout(binding = 3) uniform sampler2DArray albedo;
+
+layout(location = 0) in vec3 in_place;
+layout(location = 1) in vec2 in_grid;
+layout(location = 2) flat in uint in_patch;
+layout(location = 0) out vec4 out_color;
+
+layout(scalar, binding = 4) readonly buffer View { FrameView view; };
+
+struct Ground {
+    vec2 slope;
+    vec3 albedo;
+};
+
+Ground fetch(uint layer, vec2 grid) {
+    float side = 2.0 * float(view.cells + TEXTURE_GUTTER);
+    vec3 at = vec3((2.0 * grid + float(TEXTURE_GUTTER)) / side, float(layer));
+    return Ground(texture(slopes, at).xy, texture(albedo, at).rgb);
+}
+
+// The patch's own texture fades in over its parent's by distance, so that no switch of detail is seen.
+Ground ground_of(PatchDraw target, float distance) {
+    Ground own = fetch(target.layer, in_grid);
+    float parent_share = smoothstep(0.65, 1.0, distance / target.fade_distance);
+    if (target.parent_layer != NO_LAYER && parent_share > 0.0) {
+        vec2 grid = 0.5 * (in_grid + float(view.cells) * vec2(target.quarter));
+        Ground parent = fetch(target.parent_layer, grid);
+        own.slope = mix(own.slope, parent.slope, parent_share);
+        own.albedo = mix(own.albedo, parent.albedo, parent_share);
+    }
+    return own;
+}
+
+vec3 level_color(uint level) {
+    vec3 phase = vec3(0.0, 0.33, 0.67) + 0.382 * float(level);
+    return 0.55 + 0.45 * cos(6.2832 * phase);
+}
+
+void main() {
+    PatchDraw target = patches[in_patch];
+    float distance = length(in_place);
+    vec3 from_centre = light.camera + in_place;
+    vec3 up = normalize(from_centre);
+    Ground ground = ground_of(target, distance);
+    vec3 along = normalize(target.grid_axis - up * dot(target.grid_axis, up));
+    vec3 normal = normalize(up - along * ground.slope.x - cross(up, along) * ground.slope.y);
+
+    if (light.mode == MODE_NORMALS) {
+        out_color = vec4(0.5 + 0.5 * normal, 1.0);
+        return;
+    }
+    if (light.mode == MODE_ALBEDO) {
+        out_color = vec4(ground.albedo, 1.0);
+        return;
+    }
+    if (light.mode == MODE_DEPTH) {
+        // 1 m to 100,000 km, near is bright.
+        out_color = vec4(vec3(clamp(1.0 - log2(max(distance, 1.0)) / 26.6, 0.0, 1.0)), 1.0);
+        return;
+    }
+    vec3 color = ground.albedo;
+    if (light.mode == MODE_LEVELS) color = mix(color, level_color(target.level), 0.65);
+
+    float height = length(from_centre) - light.radius;
+    float elevation = dot(up, light.sun);
+    // Ground that faces away from the sun by its large-scale shape stays dark however its texels are tilted.
+    float facing = max(dot(normal, light.sun), 0.0) * smoothstep(-0.06, 0.02, elevation + 0.04);
+    vec3 direct = SUN * sunlight(height, elevation) * facing;
+    vec3 ambient = skylight(elevation) * (0.5 + 0.5 * dot(normal, up));
+    // Light thrown back by the ground around, weak and of its own colour.
+    vec3 bounce = 0.15 * color * SUN * sunlight(height, elevation) * max(elevation, 0.0) * (0.5 - 0.5 * dot(normal, up));
+    out_color = vec4(color / PI * (direct + ambient + bounce), 1.0);
+}

@@ -1,0 +1,154 @@
+//! The buffers that a frame's stages share: what the CPU writes (one set for each frame in flight) and what the GPU writes
+//! (one set: frames follow each other on the queue). They grow as needed and never shrink.
+
+use super::tables::FrameTables;
+use crate::vulkan::{Buffer, Context, Memory, Result, Usage, FRAMES_IN_FLIGHT};
+use std::sync::Arc;
+use terrane_planet::layout::{EmitState, FrameView, Shading};
+
+/// Most triangles a frame emits; more are counted, not drawn, and reported.
+pub const MAX_TRIANGLES: u32 = 6_000_000;
+
+/// What the CPU writes for one frame.
+struct Inputs {
+    view: Buffer,
+    shading: Buffer,
+    reset: Buffer,
+    patches: Buffer,
+    tasks: [Buffer; 3],
+    task_counts: [u32; 3],
+    /// The emit state, read back.
+    readback: Buffer,
+}
+
+/// All buffers of a renderer.
+pub struct FrameBuffers {
+    context: Arc<Context>,
+    inputs: Vec<Inputs>,
+    slot: usize,
+    /// Awake bits, GPU-written.
+    pub awake: Buffer,
+    /// Resolved vertices, GPU-written.
+    pub resolved: Buffer,
+    /// Emitted triangles, GPU-written.
+    pub indices: Buffer,
+    /// Counters and the indirect draw, GPU-written.
+    pub state: Buffer,
+}
+
+impl FrameBuffers {
+    /// Small buffers to begin with.
+    pub fn new(context: &Arc<Context>) -> Result<FrameBuffers> {
+        let inputs = (0..FRAMES_IN_FLIGHT).map(|_| Inputs::new(context)).collect::<Result<Vec<_>>>()?;
+        Ok(FrameBuffers {
+            context: context.clone(),
+            inputs,
+            slot: 0,
+            awake: storage(context, "awake", 4096)?,
+            resolved: storage(context, "resolved", 4096)?,
+            indices: indices(context, 1024)?,
+            state: Buffer::new(context, "emit state", bytes_of::<EmitState>(), Usage::STORAGE_BUFFER | Usage::INDIRECT_BUFFER, Memory::Device)?,
+        })
+    }
+
+    /// Writes the inputs of the next frame into the slot that is free, and makes everything large enough. The frame before the
+    /// last must have finished.
+    pub fn write(&mut self, tables: &FrameTables, view: &FrameView, shading: &Shading) -> Result<()> {
+        self.slot = (self.slot + 1) % self.inputs.len();
+        let capacity = tables.triangles.clamp(1, MAX_TRIANGLES);
+        let context = self.context.clone();
+        grow(&mut self.awake, 4 * u64::from(tables.awake_words), |bytes| storage(&context, "awake", bytes))?;
+        grow(&mut self.resolved, 4 * u64::from(tables.vertices), |bytes| storage(&context, "resolved", bytes))?;
+        grow(&mut self.indices, 12 * u64::from(capacity), |bytes| indices(&context, bytes))?;
+        self.inputs[self.slot].write(&context, tables, view, shading, capacity)
+    }
+
+    /// Device-side reset of the counters for this frame; follow with a barrier.
+    pub fn record_reset(&self, commands: &mut crate::vulkan::Commands) -> Result<()> {
+        commands.copy_buffer((&self.input().reset, 0), (&self.state, 0), bytes_of::<EmitState>())
+    }
+
+    /// Copies the counters to where [`FrameBuffers::counters`] finds them.
+    pub fn record_readback(&self, commands: &mut crate::vulkan::Commands) -> Result<()> {
+        commands.copy_buffer((&self.state, 0), (&self.input().readback, 0), bytes_of::<EmitState>())
+    }
+
+    /// Counters of the latest frame; wait for it first.
+    pub fn counters(&self) -> Result<EmitState> {
+        Ok(self.input().readback.read::<EmitState>(0, 1)?.first().copied().unwrap_or_default())
+    }
+
+    fn input(&self) -> &Inputs {
+        &self.inputs[self.slot]
+    }
+
+    /// The view of this frame.
+    pub fn view(&self) -> &Buffer {
+        &self.input().view
+    }
+
+    /// The light of this frame.
+    pub fn shading(&self) -> &Buffer {
+        &self.input().shading
+    }
+
+    /// The patches of this frame.
+    pub fn patches(&self) -> &Buffer {
+        &self.input().patches
+    }
+
+    /// Tasks of a stage (0 select, 1 resolve, 2 emit) and their number.
+    pub fn tasks(&self, stage: usize) -> (&Buffer, u32) {
+        (&self.input().tasks[stage], self.input().task_counts[stage])
+    }
+}
+
+impl Inputs {
+    fn new(context: &Arc<Context>) -> Result<Inputs> {
+        let upload = |name: &str, bytes: u64| Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER, Memory::Upload);
+        Ok(Inputs {
+            view: upload("view", bytes_of::<FrameView>())?,
+            shading: upload("shading", bytes_of::<Shading>())?,
+            reset: upload("emit reset", bytes_of::<EmitState>())?,
+            patches: upload("patches", 4096)?,
+            tasks: [upload("select tasks", 4096)?, upload("resolve tasks", 4096)?, upload("emit tasks", 4096)?],
+            task_counts: [0; 3],
+            readback: Buffer::new(context, "emit readback", bytes_of::<EmitState>(), Usage::TRANSFER_DST, Memory::Readback)?,
+        })
+    }
+
+    fn write(&mut self, context: &Arc<Context>, tables: &FrameTables, view: &FrameView, shading: &Shading, capacity: u32) -> Result<()> {
+        let upload = |name: &str, bytes: u64| Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER, Memory::Upload);
+        self.view.write(0, &[*view])?;
+        self.shading.write(0, &[*shading])?;
+        self.reset.write(0, &[EmitState { capacity, instance_count: 1, ..EmitState::default() }])?;
+        grow(&mut self.patches, std::mem::size_of_val(tables.patches.as_slice()) as u64, |bytes| upload("patches", bytes))?;
+        self.patches.write(0, &tables.patches)?;
+        for ((buffer, tasks), count) in self.tasks.iter_mut().zip(&tables.tasks).zip(&mut self.task_counts) {
+            grow(buffer, std::mem::size_of_val(tasks.as_slice()) as u64, |bytes| upload("tasks", bytes))?;
+            buffer.write(0, tasks)?;
+            *count = tasks.len() as u32;
+        }
+        Ok(())
+    }
+}
+
+fn bytes_of<T>() -> u64 {
+    size_of::<T>() as u64
+}
+
+fn storage(context: &Arc<Context>, name: &str, bytes: u64) -> Result<Buffer> {
+    Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER, Memory::Device)
+}
+
+fn indices(context: &Arc<Context>, bytes: u64) -> Result<Buffer> {
+    Buffer::new(context, "indices", bytes, Usage::STORAGE_BUFFER | Usage::INDEX_BUFFER, Memory::Device)
+}
+
+/// Replaces a buffer that is too small by one half as large again as needed.
+fn grow(buffer: &mut Buffer, bytes: u64, create: impl FnOnce(u64) -> Result<Buffer>) -> Result<()> {
+    if bytes > buffer.bytes() {
+        *buffer = create((bytes + bytes / 2).next_multiple_of(16))?;
+    }
+    Ok(())
+}

@@ -1,0 +1,67 @@
+//! Stage `draw`: one indexed indirect draw of all patches, with vertex pulling, into colour and reversed-Z depth. Shaders:
+//! `draw.vert`, `draw.frag`; `wire.frag` for the mesh's edges.
+
+use super::buffers::FrameBuffers;
+use super::targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
+use crate::scene::TexturePool;
+use crate::shaders;
+use crate::vulkan::{
+    vk, Blend, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource, Result,
+};
+use std::sync::Arc;
+use terrane_planet::layout::EmitState;
+
+/// Byte offset of the indirect draw in the emit state.
+const ARGUMENTS_OFFSET: u64 = std::mem::offset_of!(EmitState, index_count) as u64;
+
+/// The stage's pipelines.
+pub struct Draw {
+    fill: GraphicsPipeline,
+    lines: GraphicsPipeline,
+}
+
+impl Draw {
+    /// Builds the pipelines.
+    pub fn new(context: &Arc<Context>) -> Result<Draw> {
+        let formats = [SCENE_FORMAT];
+        let mut description = GraphicsDescription::new(shaders::DRAW_VERT, Some(shaders::DRAW_FRAG), &formats);
+        description.depth_format = Some(DEPTH_FORMAT);
+        description.depth = Some(DepthTest { compare: vk::CompareOp::GREATER_OR_EQUAL, write: true });
+        description.cull = vk::CullModeFlags::BACK;
+        let fill = GraphicsPipeline::new(context, "draw", &description)?;
+        description.fragment = Some(shaders::WIRE_FRAG);
+        description.polygon = vk::PolygonMode::LINE;
+        description.depth = Some(DepthTest { compare: vk::CompareOp::GREATER_OR_EQUAL, write: false });
+        description.blend = Blend::Alpha;
+        let lines = GraphicsPipeline::new(context, "draw lines", &description)?;
+        Ok(Draw { fill, lines })
+    }
+
+    /// Records the stage; `lines` adds the mesh's edges.
+    pub fn record(
+        &self,
+        commands: &mut Commands,
+        buffers: &FrameBuffers,
+        textures: &TexturePool,
+        targets: &Targets,
+        lines: bool,
+    ) -> Result<()> {
+        commands.begin_rendering(
+            &[ColorTarget { view: targets.ground.view(), clear: Some([0.0; 4]) }],
+            Some(DepthTarget { view: targets.depth.view(), clear: Some(0.0) }),
+        )?;
+        let geometry = [("View", Resource::Storage(buffers.view())), ("Patches", Resource::Storage(buffers.patches()))];
+        let shading = [
+            ("Light", Resource::Storage(buffers.shading())),
+            ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
+            ("albedo", Resource::Sampled(textures.albedo.view(), &textures.sampler)),
+        ];
+        commands.bind(&self.fill, &[geometry.as_slice(), &shading].concat())?;
+        commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
+        if lines {
+            commands.bind(&self.lines, &geometry)?;
+            commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
+        }
+        commands.end_rendering()
+    }
+}

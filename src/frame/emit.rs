@@ -1,0 +1,44 @@
+//! Stage `emit`: the triangles to draw, compacted into one index buffer with its indirect draw. Shaders: `emit.comp`,
+//! `arguments.comp`. Twin: `reference/emit.rs`.
+
+use super::buffers::FrameBuffers;
+use crate::shaders;
+use crate::vulkan::{Access, Commands, ComputePipeline, Context, Resource, Result};
+use std::sync::Arc;
+
+/// The stage's pipelines.
+pub struct Emit {
+    emit: ComputePipeline,
+    arguments: ComputePipeline,
+}
+
+impl Emit {
+    /// Builds the pipelines.
+    pub fn new(context: &Arc<Context>) -> Result<Emit> {
+        Ok(Emit {
+            emit: ComputePipeline::new(context, &shaders::EMIT_COMP, &[])?,
+            arguments: ComputePipeline::new(context, &shaders::ARGUMENTS_COMP, &[])?,
+        })
+    }
+
+    /// Records the stage: reads `buffers.resolved`, fills `buffers.indices` and `buffers.state`.
+    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
+        let (tasks, count) = buffers.tasks(2);
+        commands.bind(
+            &self.emit,
+            &[
+                ("View", Resource::Storage(buffers.view())),
+                ("Patches", Resource::Storage(buffers.patches())),
+                ("Tasks", Resource::Storage(tasks)),
+                ("Resolved", Resource::Storage(&buffers.resolved)),
+                ("Indices", Resource::Storage(&buffers.indices)),
+                ("State", Resource::Storage(&buffers.state)),
+            ],
+        )?;
+        commands.push_constants(&count)?;
+        commands.dispatch_rows(count)?;
+        commands.barrier(&[Access::ComputeWrite], &[Access::ComputeWrite])?;
+        commands.bind(&self.arguments, &[("State", Resource::Storage(&buffers.state))])?;
+        commands.dispatch(1, 1, 1)
+    }
+}

@@ -1,0 +1,34 @@
+//! Stage `resolve`: the vertex that each vertex is drawn as. Shader: `resolve.comp`. Twin: `reference/resolve.rs`.
+
+use super::buffers::FrameBuffers;
+use crate::shaders;
+use crate::vulkan::{Commands, ComputePipeline, Context, Resource, Result};
+use std::sync::Arc;
+
+/// The stage's pipeline.
+pub struct Resolve {
+    pipeline: ComputePipeline,
+}
+
+impl Resolve {
+    /// Builds the pipeline.
+    pub fn new(context: &Arc<Context>) -> Result<Resolve> {
+        Ok(Resolve { pipeline: ComputePipeline::new(context, &shaders::RESOLVE_COMP, &[])? })
+    }
+
+    /// Records the stage: reads `buffers.awake`, fills `buffers.resolved`.
+    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
+        let (tasks, count) = buffers.tasks(1);
+        commands.bind(
+            &self.pipeline,
+            &[
+                ("Patches", Resource::Storage(buffers.patches())),
+                ("Tasks", Resource::Storage(tasks)),
+                ("Awake", Resource::Storage(&buffers.awake)),
+                ("Resolved", Resource::Storage(&buffers.resolved)),
+            ],
+        )?;
+        commands.push_constants(&count)?;
+        commands.dispatch_rows(count)
+    }
+}

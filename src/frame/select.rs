@@ -1,0 +1,40 @@
+//! Stage `select`: awake bits of every vertex in reach. Shader: `select.comp`. Twin: `reference/select.rs`.
+
+use super::buffers::FrameBuffers;
+use crate::shaders;
+use crate::vulkan::{Commands, ComputePipeline, Context, Resource, Result};
+use std::sync::Arc;
+
+/// Subgroups at least this wide make a word of awake bits with one ballot; narrower ones do better with 32 vertices an
+/// invocation (TRIALS section 4).
+const BALLOT_WIDTH: u32 = 32;
+
+/// The stage's pipeline.
+pub struct Select {
+    pipeline: ComputePipeline,
+}
+
+impl Select {
+    /// Builds the pipeline, in the variant that suits the device.
+    pub fn new(context: &Arc<Context>) -> Result<Select> {
+        let ballot = u32::from(context.device_info().subgroup_size >= BALLOT_WIDTH);
+        Ok(Select { pipeline: ComputePipeline::new(context, &shaders::SELECT_COMP, &[(0, ballot)])? })
+    }
+
+    /// Records the stage: fills `buffers.awake` and counts the awake vertices.
+    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
+        let (tasks, count) = buffers.tasks(0);
+        commands.bind(
+            &self.pipeline,
+            &[
+                ("View", Resource::Storage(buffers.view())),
+                ("Patches", Resource::Storage(buffers.patches())),
+                ("Tasks", Resource::Storage(tasks)),
+                ("Awake", Resource::Storage(&buffers.awake)),
+                ("State", Resource::Storage(&buffers.state)),
+            ],
+        )?;
+        commands.push_constants(&count)?;
+        commands.dispatch_rows(count)
+    }
+}

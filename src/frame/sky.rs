@@ -1,0 +1,37 @@
+//! Stage `sky`: the air between the eye and everything, and what is behind it. Shader: `sky.frag`.
+
+use super::buffers::FrameBuffers;
+use super::targets::{Targets, SCENE_FORMAT};
+use crate::shaders;
+use crate::vulkan::{ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use std::sync::Arc;
+
+/// The stage's pipeline.
+pub struct Sky {
+    pipeline: GraphicsPipeline,
+}
+
+impl Sky {
+    /// Builds the pipeline.
+    pub fn new(context: &Arc<Context>) -> Result<Sky> {
+        let formats = [SCENE_FORMAT];
+        let description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::SKY_FRAG), &formats);
+        Ok(Sky { pipeline: GraphicsPipeline::new(context, "sky", &description)? })
+    }
+
+    /// Records the stage: reads `targets.ground` and `targets.depth`, fills `targets.scene`.
+    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+        commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: Some([0.0; 4]) }], None)?;
+        commands.bind(
+            &self.pipeline,
+            &[
+                ("Light", Resource::Storage(buffers.shading())),
+                ("View", Resource::Storage(buffers.view())),
+                ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
+                ("scene", Resource::Sampled(targets.ground.view(), &targets.nearest)),
+            ],
+        )?;
+        commands.draw(3, 1)?;
+        commands.end_rendering()
+    }
+}

@@ -1,0 +1,76 @@
+//! What the CPU hands to the GPU for one frame: the patches to draw and the work of every stage.
+//!
+//! In: the cut and the resident patches. Out: [`FrameTables`]. One table-driven dispatch a stage serves all patches: hundreds of
+//! small dispatches would cost more than the work itself (TRIALS section 4).
+
+use crate::scene::{ResidentPatch, Scene};
+use terrane_planet::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_LAYER, RESOLVE_CHUNK, SELECT_CHUNK};
+use terrane_planet::reference::cut::{distance_to_box, is_visible, texture_distance, Cut, Leaf};
+use terrane_planet::view::View;
+
+/// The tables of one frame.
+#[derive(Default)]
+pub struct FrameTables {
+    /// Patches to draw, in traversal order of the cut.
+    pub patches: Vec<PatchDraw>,
+    /// The leaf of each of them.
+    pub leaves: Vec<Leaf>,
+    /// Work of `select`, `resolve` and `emit`.
+    pub tasks: [Vec<Task>; 3],
+    /// Words of awake bits.
+    pub awake_words: u32,
+    /// Resolved vertices.
+    pub vertices: u32,
+    /// Triangles that emission looks at.
+    pub triangles: u32,
+}
+
+impl FrameTables {
+    /// Tables of a view. `whole` keeps patches that the camera cannot see.
+    pub fn new(scene: &Scene, view: &View, cut: &Cut, whole: bool) -> FrameTables {
+        let mut tables = FrameTables::default();
+        for leaf in cut.leaves.iter().take(MAX_PATCHES as usize) {
+            let (Some(node), Some(patch)) = (scene.tree().get(leaf.id), scene.resident(leaf.id)) else { continue };
+            if whole || is_visible(scene.tree(), view, node) {
+                tables.add(scene, view, *leaf, patch);
+            }
+        }
+        tables
+    }
+
+    fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, patch: &ResidentPatch) {
+        let level = patch.level_for(distance_to_box(view, &patch.bounds), view.scale);
+        let parent = leaf.id.parent();
+        let fade = parent.map_or(f64::MAX, |p| texture_distance(scene.tree(), view, p.level) * scene.tree().lattice.unit);
+        let number = self.patches.len() as u32;
+        let mut grid_axis = [0.0; 3];
+        grid_axis[leaf.id.face.grid_axes().0] = 1.0;
+        self.patches.push(PatchDraw {
+            vertices: words(patch.vertices_address()),
+            triangles: words(patch.triangles_address(level)),
+            vertex_count: level.vertices,
+            triangle_count: level.count,
+            awake_offset: self.awake_words,
+            resolve_offset: self.vertices,
+            coarser_sides: u32::from(leaf.coarser_sides),
+            level: u32::from(leaf.id.level),
+            layer: patch.layer.unwrap_or(0),
+            parent_layer: parent.and_then(|p| scene.resident(p)).and_then(|p| p.layer).unwrap_or(NO_LAYER),
+            quarter: [leaf.id.x % 2, leaf.id.y % 2],
+            fade_distance: fade as f32,
+            grid_axis,
+        });
+        self.leaves.push(leaf);
+        let work = [(SELECT_CHUNK, level.vertices), (RESOLVE_CHUNK, level.vertices), (EMIT_CHUNK, level.count)];
+        for (tasks, (chunk, count)) in self.tasks.iter_mut().zip(work) {
+            tasks.extend((0..count).step_by(chunk as usize).map(|first| Task { patch_number: number, first }));
+        }
+        self.awake_words += level.vertices.div_ceil(32);
+        self.vertices += level.vertices;
+        self.triangles += level.count;
+    }
+}
+
+fn words(address: u64) -> [u32; 2] {
+    [address as u32, (address >> 32) as u32]
+}
