@@ -96,6 +96,8 @@ pub struct Craters {
     pub reach: f64,
     /// Brightness of rays in the albedo (0 to 1; default 0).
     pub rays: f64,
+    /// Whether the craters are part of the base elevation, as basins are (default false).
+    pub basins: bool,
     /// Base elevations over which craters fade in, in metres.
     pub above_m: [f64; 2],
     /// Share of the relief that is left below `above_m` (0 to 1; default 0).
@@ -246,6 +248,7 @@ impl Craters {
             complex_m: reader.number_or("complex_m", 1.0..=1e8, 1e8)?,
             reach,
             rays: reader.number_or("rays", UNIT, 0.0)?,
+            basins: reader.flag("basins")?,
             above_m: read_above(reader)?,
             below: reader.number_or("below", UNIT, 0.0)?,
         })

@@ -109,6 +109,12 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// true or false; false where the key is missing.
+    pub(crate) fn flag(&self, key: &'static str) -> Result<bool, RecipeError> {
+        let Some(value) = self.find(key) else { return Ok(false) };
+        value.get_ref().as_bool().ok_or_else(|| self.wrong_value(key, value, "true or false"))
+    }
+
     /// A whole number from 0 to 2^63 - 1.
     pub(crate) fn whole(&self, key: &'static str) -> Result<u64, RecipeError> {
         let expected = "a whole number from 0 to 2^63 - 1";

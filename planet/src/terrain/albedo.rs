@@ -143,7 +143,7 @@ impl Ground {
         let line = palette.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 250.0 * patch + 60.0 * thicket;
         let height = point.height + 12.0 * tuft;
         let trees = line - palette.tree_drop_m;
-        let woods = 0.25 - 1.1 * dry + 0.9 * patch + 0.45 * thicket + 0.25 * tuft;
+        let woods = 0.3 - 1.3 * dry + 0.55 * patch + 0.45 * thicket + 0.25 * tuft;
         let steep = point.slope * (1.0 + 0.25 * thicket + 0.3 * tuft);
         let hold = 1.0 - smoothstep([palette.rock_slope[1], palette.rock_slope[1] * 1.8], steep);
         Self {
@@ -158,10 +158,10 @@ impl Ground {
     }
 
     fn colour(&self, palette: &Living, above: f64) -> Colour {
-        let [_, patch, thicket, tuft] = self.noises;
+        let [climate, patch, thicket, tuft] = self.noises;
         let grass = mixed(palette.dry, palette.lush, self.wet);
         let meadow = mixed(grass, palette.forest, self.wooded * 0.9);
-        let sand = mixed(palette.desert, palette.badland, smoothstep([-0.3, 0.5], patch + 0.3 * thicket));
+        let sand = mixed(palette.desert, palette.badland, 0.75 * smoothstep([-0.7, 1.0], 0.5 * patch + 0.7 * climate + 0.25 * thicket));
         let soil = mixed(mixed(meadow, sand, self.arid), palette.tundra, self.alpine * (1.0 - 0.5 * self.arid));
         let shore = 1.0 - smoothstep([0.4, 1.0], above / palette.beach_m.max(1e-3) + 0.25 * thicket + 0.1 * tuft);
         let soil = mixed(soil, palette.beach, shore);

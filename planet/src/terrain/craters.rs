@@ -27,8 +27,10 @@ struct Class {
     lattice: Lattice,
     /// Planet radius in cells, squared, and the tolerance on that square.
     shell: [f64; 2],
-    /// Largest rim radius in cells, squared.
-    radius2: f64,
+    /// One over the planet radius in cells, squared.
+    per_shell: f64,
+    /// One over the largest rim radius in cells, squared.
+    per_radius2: f64,
     /// Site hashes below this hold a crater.
     threshold: u32,
     /// Metres from floor to rim.
@@ -48,7 +50,8 @@ impl Class {
         Self {
             lattice: Lattice::new(seed, cell_m),
             shell: [radius * radius, 2.0 * radius * SHELL],
-            radius2: (REACH / recipe.reach) * (REACH / recipe.reach),
+            per_shell: 1.0 / (radius * radius),
+            per_radius2: (recipe.reach / REACH) * (recipe.reach / REACH),
             threshold: (density.clamp(0.0, 1.0) * 65536.0) as u32,
             depth_m: recipe.depth * diameter_m / shallow,
             complex: (ratio - 0.7).clamp(0.0, 1.0),
@@ -56,34 +59,31 @@ impl Class {
         }
     }
 
-    /// Calls `found(squared distance over squared radius, offset in cells, site hash)` for each of the eight sites.
+    /// One of the eight sites about a lattice place (`corner` from 0 to 7): squared distance over squared rim radius
+    /// (huge where there is no crater), offset from the centre in cells, site hash.
     #[inline(always)]
-    fn sites(&self, x: f64, y: f64, z: f64, mut found: impl FnMut(f64, [f64; 3], u32)) {
-        let place = self.lattice.place(x, y, z);
-        let shifted = place.map(|c| c - 0.5);
-        let cells = shifted.map(|c| split(c));
-        let out = [0, 1, 2].map(|k| place[k] - self.lattice.shift[k]);
-        let up2 = out[0] * out[0] + out[1] * out[1] + out[2] * out[2];
-        for corner in 0..8_u32 {
-            let step = [corner & 1, (corner >> 1) & 1, corner >> 2];
-            let axis = |k: usize| cells[k].0.wrapping_add(step[k]).wrapping_mul(PRIMES[k]);
-            let hash = scramble(axis(0) ^ axis(1) ^ axis(2) ^ self.lattice.seed);
-            let jitter = |shift: u32| f64::from(((hash >> shift) & 1023) as i32) * (1.0 / 1024.0);
-            let jitters = [jitter(22), jitter(12), jitter(2)];
-            // The centre's place depends on the cell alone, so every point takes or leaves it alike.
-            let from = |k: usize| f64::from(cells[k].0 as i32) + (f64::from(step[k] as i32) + jitters[k]);
-            let centre = [0, 1, 2].map(|k| from(k) - self.lattice.shift[k]);
-            let off = centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2] - self.shell[0];
-            let v = [0, 1, 2].map(|k| place[k] - from(k));
-            let along = v[0] * out[0] + v[1] * out[1] + v[2] * out[2];
-            let lateral2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] - along * along / up2;
-            let site = scramble(hash ^ 0x5bd1_e995);
-            // N(>r) ~ r^-2 between half the class's radius and all of it.
-            let size = 1.0 + f64::from(((site >> 16) & 255) as i32) * (3.0 / 255.0);
-            let t = lateral2.max(0.0) * size / self.radius2;
-            let here = (off.abs() < self.shell[1]) & ((site & 0xffff) < self.threshold);
-            found(if here { t } else { 1e9 }, v, site);
-        }
+    fn site(&self, place: [f64; 3], corner: u32) -> (f64, [f64; 3], u32) {
+        let cells = place.map(|c| split(c - 0.5).0);
+        let step = [corner & 1, (corner >> 1) & 1, corner >> 2];
+        let cell = [0, 1, 2].map(|k| cells[k].wrapping_add(step[k]));
+        let axis = |k: usize| cell[k].wrapping_mul(PRIMES[k]);
+        let hash = scramble(axis(0) ^ axis(1) ^ axis(2) ^ self.lattice.seed);
+        let jitter = |shift: u32| f64::from(((hash >> shift) & 1023) as i32) * (1.0 / 1024.0);
+        let jitters = [jitter(22), jitter(12), jitter(2)];
+        // The centre's place depends on the cell alone, so every point takes or leaves it alike.
+        let at = |k: usize| f64::from(cell[k] as i32) + jitters[k];
+        let centre = [0, 1, 2].map(|k| at(k) - self.lattice.shift[k]);
+        let off = centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2] - self.shell[0];
+        let v = [0, 1, 2].map(|k| place[k] - at(k));
+        let up = [0, 1, 2].map(|k| place[k] - self.lattice.shift[k]);
+        let along = v[0] * up[0] + v[1] * up[1] + v[2] * up[2];
+        let lateral2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] - along * along * self.per_shell;
+        let site = scramble(hash ^ 0x5bd1_e995);
+        // N(>r) ~ r^-2 between half the class's radius and all of it.
+        let size = 1.0 + f64::from(((site >> 16) & 255) as i32) * (3.0 / 255.0);
+        let t = lateral2.max(0.0) * size * self.per_radius2;
+        let here = (off.abs() < self.shell[1]) & ((site & 0xffff) < self.threshold);
+        (if here { t } else { 1e9 }, v, site)
     }
 
     /// Height of one crater relative to its depth: `t` is the squared distance over the squared rim radius.
@@ -101,22 +101,22 @@ impl Class {
         }
     }
 
-    #[inline(always)]
-    fn height(&self, x: f64, y: f64, z: f64) -> f64 {
-        let mut sum = 0.0;
-        self.sites(x, y, z, |t, _, site| {
-            let fresh = 0.25 + f64::from((site >> 24) as i32) * (0.75 / 255.0);
-            sum += self.profile(t) * fresh;
-        });
-        sum.clamp(-1.3, 0.7) * self.depth_m
-    }
-
+    /// One corner at a time over all lanes, so that the inner loop vectorises.
     #[inline(always)]
     fn add_lanes(&self, p: &Points, mask: &Lane, out: &mut Lane) {
         let n = p.count.min(LANES);
         let (xs, ys, zs, mask, out) = (&p.x[..n], &p.y[..n], &p.z[..n], &mask[..n], &mut out[..n]);
+        let mut sum = [0.0; LANES];
+        let sum = &mut sum[..n];
+        for corner in 0..8 {
+            for i in 0..n {
+                let (t, _, site) = self.site(self.lattice.place(xs[i], ys[i], zs[i]), corner);
+                let fresh = 0.25 + f64::from((site >> 24) as i32) * (0.75 / 255.0);
+                sum[i] += self.profile(t) * fresh;
+            }
+        }
         for i in 0..n {
-            out[i] += self.height(xs[i], ys[i], zs[i]) * mask[i];
+            out[i] += sum[i].clamp(-1.3, 0.7) * self.depth_m * mask[i];
         }
     }
 
@@ -139,19 +139,21 @@ impl Class {
     /// Brightness of rays at a point, 0 to 1.
     fn rays(&self, x: f64, y: f64, z: f64, reach2: f64) -> f64 {
         let mut bright: f64 = 0.0;
-        self.sites(x, y, z, |t, v, site| {
+        let place = self.lattice.place(x, y, z);
+        for corner in 0..8 {
+            let (t, v, site) = self.site(place, corner);
             if t >= reach2 {
-                return;
+                continue;
             }
             let fade = 1.0 - (t / reach2).sqrt();
-            let halo = 1.0 / (1.0 + t * t * 0.2);
+            let halo = 1.0 / (1.0 + t * 0.3);
             let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-12);
             // Noise of the offset's direction is constant along rays from the centre.
-            let [a, b, c] = v.map(|k| k / length * 5.0 + f64::from((site >> 20) as i32));
-            let streak = (noise(&self.streaks, a, b, c) * 3.0 - 0.1).clamp(0.0, 1.0);
+            let [a, b, c] = v.map(|k| k / length * 4.0 + f64::from((site >> 20) as i32));
+            let streak = (noise(&self.streaks, a, b, c) * 2.5).clamp(0.0, 1.0);
             let fresh = f64::from((site >> 24) as i32) * (1.0 / 255.0);
-            bright += fade * fade * (halo + streak * 0.8) * fresh * fresh;
-        });
+            bright += fade * (halo + streak * (0.2 + 0.8 * fade)) * fresh;
+        }
         bright.min(1.0)
     }
 }
@@ -179,6 +181,11 @@ impl Craters {
         for class in &self.classes {
             class.add(p, &mask, out);
         }
+    }
+
+    /// Whether these craters belong to the base elevation.
+    pub(crate) fn basins(&self) -> bool {
+        self.recipe.basins
     }
 
     /// Adds the brightness of this layer's rays.

@@ -113,7 +113,7 @@ impl Terrain {
         p
     }
 
-    /// Base elevation alone: continents and heightmaps.
+    /// Base elevation alone: continents, basins and heightmaps.
     fn base(&self, p: &Points, base: &mut Lane) {
         self.compose(p, base, None);
     }
@@ -128,10 +128,12 @@ impl Terrain {
                 Step::Continents(layer) => {
                     let mut own = [0.0; LANES];
                     layer.add(p, &mut own);
-                    for i in 0..p.count.min(LANES) {
-                        base[i] += own[i];
-                        sum[i] += own[i];
-                    }
+                    add_to_both(p.count, &own, base, &mut sum);
+                }
+                Step::Craters(layer) if layer.basins() => {
+                    let mut own = [0.0; LANES];
+                    layer.add(p, base, &mut own);
+                    add_to_both(p.count, &own, base, &mut sum);
                 }
                 Step::Heightmap(layer) => self.replace(layer, p, base, &mut sum),
                 _ if height.is_none() => {}
@@ -181,6 +183,13 @@ impl Terrain {
         }
         // Half a metre for rounding in the sums.
         (self.shore(low) - 0.5, self.shore(high) + 0.5)
+    }
+}
+
+fn add_to_both(count: usize, own: &Lane, base: &mut Lane, sum: &mut Lane) {
+    for ((own, base), sum) in own[..count].iter().zip(base).zip(sum) {
+        *base += own;
+        *sum += own;
     }
 }
 

@@ -67,6 +67,8 @@ pub(crate) struct Mountains {
     fractal: Fractal,
     warp: Option<Warp>,
     ranges: Fractal,
+    /// How high each stretch of a range stands; breaks closed lines into separate ranges.
+    vigour: Fractal,
     recipe: recipe::Mountains,
 }
 
@@ -75,7 +77,8 @@ impl Mountains {
         Self {
             fractal: Fractal::new(seed, &recipe.octaves),
             warp: Warp::new(mix(seed ^ 1), recipe.octaves.wavelength_m, recipe.warp_m, 2),
-            ranges: Fractal::few(mix(seed ^ 2), recipe.range_m, 4),
+            ranges: Fractal::few(mix(seed ^ 2), recipe.range_m, 5),
+            vigour: Fractal::few(mix(seed ^ 3), recipe.range_m * 0.6, 2),
             recipe: recipe.clone(),
         }
     }
@@ -87,8 +90,11 @@ impl Mountains {
         }
         let mut range = [0.0; LANES];
         self.ranges.brownian(p, &mut range);
-        for (m, &r) in mask[..p.count].iter_mut().zip(&range) {
-            *m *= smoothstep([0.0, 1.0], 1.0 - r.abs() / self.recipe.range_width);
+        let mut vigour = [0.0; LANES];
+        self.vigour.brownian(p, &mut vigour);
+        for ((m, &r), &v) in mask[..p.count].iter_mut().zip(&range).zip(&vigour) {
+            let width = self.recipe.range_width * (0.7 + 1.2 * v).clamp(0.0, 1.0) + 1e-9;
+            *m *= smoothstep([0.0, 1.0], 1.0 - r.abs() / width) * (0.55 + 0.9 * v).clamp(0.0, 1.0);
         }
         if mask[..p.count].iter().all(|&m| m <= 0.0) {
             return;
@@ -107,7 +113,7 @@ impl Mountains {
 }
 
 /// Share of a range's height that is a smooth swell under the ridges.
-const UPLIFT: f64 = 0.15;
+const UPLIFT: f64 = 0.12;
 
 /// Hills, or mounds and gullies.
 pub(crate) struct Hills {
