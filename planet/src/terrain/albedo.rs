@@ -5,7 +5,7 @@ use super::angles::sin_cos;
 use super::noise::{mix, Lane, Points, LANES};
 use super::octaves::{smoothstep, Fractal};
 use super::{GroundPoint, Terrain};
-use crate::recipe::{Airless, Colour, Living, Palette};
+use crate::recipe::{Airless, Colour, Living, Octaves, Palette};
 
 /// Noise at the scales on which ground varies.
 pub(crate) struct Tints {
@@ -29,7 +29,7 @@ impl Tints {
         };
         Self {
             climate: Fractal::few(mix(seed ^ 11), climate_m, 6),
-            patch: Fractal::few(mix(seed ^ 12), patch_m, 7),
+            patch: Fractal::new(mix(seed ^ 12), &Octaves { wavelength_m: patch_m, detail_m: 900.0_f64.min(patch_m), gain: 0.68 }),
             thicket: Fractal::few(mix(seed ^ 13), 700.0, 5),
             tuft: Fractal::few(mix(seed ^ 14), 22.0, 5),
             polar_sine: sin_cos(polar_deg).0,
@@ -104,7 +104,7 @@ impl Terrain {
         }
         for (i, (point, out)) in points.iter().zip(albedo).enumerate() {
             let (patch, thicket, tuft) = (noises.patch[i], noises.thicket[i], noises.tuft[i]);
-            let old = smoothstep(palette.mare_m, base[i] + 500.0 * patch);
+            let old = smoothstep(palette.mare_m, base[i] + 200.0 * patch);
             let ground = mixed(palette.mare, palette.highland, old);
             // Steep ground sheds its dark, weathered skin.
             let fresh = rays[i].min(1.0).max(0.35 * smoothstep([0.35, 0.9], point.slope));
@@ -143,7 +143,7 @@ impl Ground {
         let line = palette.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 250.0 * patch + 60.0 * thicket;
         let height = point.height + 12.0 * tuft;
         let trees = line - palette.tree_drop_m;
-        let woods = 0.3 - 1.3 * dry + 0.55 * patch + 0.45 * thicket + 0.25 * tuft;
+        let woods = 0.3 - 1.3 * dry + 0.75 * patch + 0.3 * thicket + 0.2 * tuft + 0.8 * (point.slope - 0.1).min(0.4);
         let steep = point.slope * (1.0 + 0.25 * thicket + 0.3 * tuft);
         let hold = 1.0 - smoothstep([palette.rock_slope[1], palette.rock_slope[1] * 1.8], steep);
         Self {

@@ -152,7 +152,7 @@ impl Class {
             let [a, b, c] = v.map(|k| k / length * 4.0 + f64::from((site >> 20) as i32));
             let streak = (noise(&self.streaks, a, b, c) * 2.5).clamp(0.0, 1.0);
             let fresh = f64::from((site >> 24) as i32) * (1.0 / 255.0);
-            bright += fade * (halo + streak * (0.2 + 0.8 * fade)) * fresh;
+            bright += fade * (halo + streak * (0.35 + 0.65 * fade)) * fresh * 1.3;
         }
         bright.min(1.0)
     }
