@@ -98,7 +98,8 @@ pub(crate) fn scramble(h: u32) -> u32 {
 
 #[inline(always)]
 fn slope(hash: u32, dx: f64, dy: f64, dz: f64) -> f64 {
-    let h = scramble(hash);
+    let h = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
+    let h = h ^ (h >> 14);
     let part = |shift: u32| f64::from(((h >> shift) & 1023) as i32 - 512);
     part(22) * dx + part(12) * dy + part(2) * dz
 }

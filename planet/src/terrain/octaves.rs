@@ -67,7 +67,7 @@ impl Fractal {
                 let crest = 1.0 - (octave[i].abs() * 1.5).min(1.0);
                 let signal = crest * crest * weight[i];
                 out[i] += signal * share;
-                weight[i] = (0.12 + signal * 1.7).min(1.0);
+                weight[i] = (0.22 + signal * 1.8).min(1.0);
             }
         }
     }
