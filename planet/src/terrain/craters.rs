@@ -167,7 +167,10 @@ impl Craters {
             diameter *= 0.5;
             density *= recipe.growth;
         }
-        Self { classes, recipe: recipe.clone() }
+        Self {
+            classes,
+            recipe: recipe.clone(),
+        }
     }
 
     pub(crate) fn add(&self, p: &Points, base: &Lane, out: &mut Lane) {
