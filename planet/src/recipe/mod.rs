@@ -81,7 +81,7 @@ impl Recipe {
     pub fn load(path: &Path) -> Result<Self, RecipeError> {
         let file = path.display().to_string();
         let text = std::fs::read_to_string(path).map_err(|source| RecipeError::Read {
-            file: file.clone(),
+            file: file.as_str().into(),
             source,
         })?;
         Self::from_toml(&text, &file, path.parent().unwrap_or(Path::new("")))
@@ -124,9 +124,9 @@ impl Recipe {
     fn parse(text: &str, file: &str) -> Result<Self, RecipeError> {
         let source = Source { file, text };
         let document = toml::de::DeTable::parse(text).map_err(|e| RecipeError::Syntax {
-            file: file.to_owned(),
+            file: file.into(),
             line: source.line(e.span().map_or(0, |s| s.start)),
-            message: e.message().to_owned(),
+            message: e.message().into(),
         })?;
         let reader = Reader::new(&source, document.get_ref());
         let radius = reader.number("radius_m", 1e3..=1e8)?;
@@ -173,12 +173,12 @@ impl Recipe {
     /// An error about a heightmap's image, at the line of its `file` key.
     pub(crate) fn heightmap_error(&self, map: &Heightmap, found: String, expected: &str) -> RecipeError {
         RecipeError::Heightmap {
-            file: self.file.clone(),
+            file: self.file.as_str().into(),
             line: map.origin.0,
-            path: map.origin.1.clone(),
-            image: map.file.clone(),
-            found,
-            expected: expected.to_owned(),
+            path: map.origin.1.as_str().into(),
+            image: map.file.as_str().into(),
+            found: found.into(),
+            expected: expected.into(),
         }
     }
 }

@@ -86,11 +86,11 @@ impl<'a> Reader<'a> {
     /// An error about a key of this table.
     pub(crate) fn wrong(&self, key: &str, line: usize, found: impl Into<String>, expected: &str) -> RecipeError {
         RecipeError::Value {
-            file: self.source.file.to_owned(),
+            file: self.source.file.into(),
             line,
-            path: self.path_of(key),
-            found: found.into(),
-            expected: expected.to_owned(),
+            path: self.path_of(key).into(),
+            found: found.into().into(),
+            expected: expected.into(),
         }
     }
 
@@ -237,10 +237,10 @@ impl<'a> Reader<'a> {
         match self.table.keys().find(|k| !asked.contains(&k.get_ref().as_ref())) {
             None => Ok(()),
             Some(key) => Err(RecipeError::UnknownKey {
-                file: self.source.file.to_owned(),
+                file: self.source.file.into(),
                 line: self.source.line(key.span().start),
-                path: self.path_of(key.get_ref()),
-                expected: asked.join(", "),
+                path: self.path_of(key.get_ref()).into(),
+                expected: asked.join(", ").into(),
             }),
         }
     }

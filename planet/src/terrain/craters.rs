@@ -16,6 +16,24 @@ const REACH: f64 = 0.38;
 /// Height of the rim over the depth below it.
 const RIM: f64 = 0.25;
 
+/// Squared distance of a crater that is not there.
+const NOWHERE: f64 = 1e9;
+/// Cells past which a chunk's lanes each ask their own eight: about where the costs cross.
+const FEW_CELLS: i64 = 36;
+
+/// The lower of the two cells on an axis whose craters can reach a place.
+#[inline(always)]
+fn first_cell(place: f64) -> u32 {
+    split(place - 0.5).0
+}
+
+/// Cells of a box, x fastest: the order of the eight corners.
+fn cells_between(from: [i32; 3], to: [i32; 3]) -> impl Iterator<Item = [u32; 3]> {
+    let plane = move |z: i32| (from[1]..=to[1]).map(move |y| (y, z));
+    let row = move |(y, z): (i32, i32)| (from[0]..=to[0]).map(move |x| [x as u32, y as u32, z as u32]);
+    (from[2]..=to[2]).flat_map(plane).flat_map(row)
+}
+
 /// One layer of craters.
 pub(crate) struct Craters {
     classes: Vec<Class>,
@@ -59,31 +77,48 @@ impl Class {
         }
     }
 
-    /// One of the eight sites about a lattice place (`corner` from 0 to 7): squared distance over squared rim radius
-    /// (huge where there is no crater), offset from the centre in cells, site hash.
+    /// What a cell holds: its crater's centre in lattice coordinates, its hash, and whether there is a crater at all.
+    /// Depends on the cell alone, so every point takes or leaves a crater alike.
     #[inline(always)]
-    fn site(&self, place: [f64; 3], corner: u32) -> (f64, [f64; 3], u32) {
-        let cells = place.map(|c| split(c - 0.5).0);
-        let step = [corner & 1, (corner >> 1) & 1, corner >> 2];
-        let cell = [0, 1, 2].map(|k| cells[k].wrapping_add(step[k]));
+    fn cell(&self, cell: [u32; 3]) -> ([f64; 3], u32, bool) {
         let axis = |k: usize| cell[k].wrapping_mul(PRIMES[k]);
         let hash = scramble(axis(0) ^ axis(1) ^ axis(2) ^ self.lattice.seed);
         let jitter = |shift: u32| f64::from(((hash >> shift) & 1023) as i32) * (1.0 / 1024.0);
         let jitters = [jitter(22), jitter(12), jitter(2)];
-        // The centre's place depends on the cell alone, so every point takes or leaves it alike.
-        let at = |k: usize| f64::from(cell[k] as i32) + jitters[k];
-        let centre = [0, 1, 2].map(|k| at(k) - self.lattice.shift[k]);
+        let at = [0, 1, 2].map(|k| f64::from(cell[k] as i32) + jitters[k]);
+        let centre = [0, 1, 2].map(|k| at[k] - self.lattice.shift[k]);
         let off = centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2] - self.shell[0];
-        let v = [0, 1, 2].map(|k| place[k] - at(k));
+        let site = scramble(hash ^ 0x5bd1_e995);
+        (
+            at,
+            site,
+            (off.abs() < self.shell[1]) & ((site & 0xffff) < self.threshold),
+        )
+    }
+
+    /// Squared distance over squared rim radius of a crater, and the offset from its centre in cells.
+    #[inline(always)]
+    fn distance(&self, place: [f64; 3], at: [f64; 3], site: u32) -> (f64, [f64; 3]) {
+        let v = [0, 1, 2].map(|k| place[k] - at[k]);
         let up = [0, 1, 2].map(|k| place[k] - self.lattice.shift[k]);
         let along = v[0] * up[0] + v[1] * up[1] + v[2] * up[2];
-        let lateral2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2] - along * along * self.per_shell;
-        let site = scramble(hash ^ 0x5bd1_e995);
+        let length2 = v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+        let lateral2 = length2 - along * along * self.per_shell;
         // N(>r) ~ r^-2 between half the class's radius and all of it.
         let size = 1.0 + f64::from(((site >> 16) & 255) as i32) * (3.0 / 255.0);
         let t = lateral2.max(0.0) * size * self.per_radius2;
-        let here = (off.abs() < self.shell[1]) & ((site & 0xffff) < self.threshold);
-        (if here { t } else { 1e9 }, v, site)
+        // Past half a cell nothing acts; far round the sphere the lateral distance would shrink again.
+        (if length2 < 0.25 { t } else { NOWHERE }, v)
+    }
+
+    /// One of the eight sites about a place (`corner` from 0 to 7): squared distance over squared rim radius (huge
+    /// where there is no crater), offset from the centre in cells, site hash.
+    #[inline(always)]
+    fn site(&self, place: [f64; 3], corner: u32) -> (f64, [f64; 3], u32) {
+        let step = [corner & 1, (corner >> 1) & 1, corner >> 2];
+        let (at, site, here) = self.cell([0, 1, 2].map(|k| first_cell(place[k]).wrapping_add(step[k])));
+        let (t, v) = self.distance(place, at, site);
+        (if here { t } else { NOWHERE }, v, site)
     }
 
     /// Height of one crater relative to its depth: `t` is the squared distance over the squared rim radius.
@@ -101,23 +136,57 @@ impl Class {
         }
     }
 
-    /// One corner at a time over all lanes, so that the inner loop vectorises.
+    #[inline(always)]
+    fn height(&self, t: f64, site: u32) -> f64 {
+        let fresh = 0.25 + f64::from((site >> 24) as i32) * (0.75 / 255.0);
+        self.profile(t) * fresh
+    }
+
+    /// Sums craters over all lanes. Where the chunk spans few cells their sites are drawn once for all lanes; else each
+    /// lane asks its own eight. Both add the same craters in the same order, and zeros: the bits agree.
     #[inline(always)]
     fn add_lanes(&self, p: &Points, mask: &Lane, out: &mut Lane) {
         let n = p.count.min(LANES);
         let (xs, ys, zs, mask, out) = (&p.x[..n], &p.y[..n], &p.z[..n], &mask[..n], &mut out[..n]);
         let mut sum = [0.0; LANES];
         let sum = &mut sum[..n];
-        for corner in 0..8 {
-            for i in 0..n {
-                let (t, _, site) = self.site(self.lattice.place(xs[i], ys[i], zs[i]), corner);
-                let fresh = 0.25 + f64::from((site >> 24) as i32) * (0.75 / 255.0);
-                sum[i] += self.profile(t) * fresh;
+        if let Some([from, to]) = self.few_cells(p) {
+            for cell in cells_between(from, to) {
+                let (at, site, here) = self.cell(cell);
+                if !here {
+                    continue;
+                }
+                for i in 0..n {
+                    let (t, _) = self.distance(self.lattice.place(xs[i], ys[i], zs[i]), at, site);
+                    sum[i] += self.height(t, site);
+                }
+            }
+        } else {
+            // One corner at a time, so that the inner loop vectorises.
+            for corner in 0..8 {
+                for i in 0..n {
+                    let (t, _, site) = self.site(self.lattice.place(xs[i], ys[i], zs[i]), corner);
+                    sum[i] += self.height(t, site);
+                }
             }
         }
         for i in 0..n {
             out[i] += sum[i].clamp(-1.3, 0.7) * self.depth_m * mask[i];
         }
+    }
+
+    /// First and last cell that the chunk can be touched from, if they are few.
+    fn few_cells(&self, p: &Points) -> Option<[[i32; 3]; 2]> {
+        let (mut from, mut to) = ([i32::MAX; 3], [i32::MIN; 3]);
+        for i in 0..p.count.min(LANES) {
+            let first = self.lattice.place(p.x[i], p.y[i], p.z[i]).map(|c| first_cell(c) as i32);
+            for k in 0..3 {
+                from[k] = from[k].min(first[k]);
+                to[k] = to[k].max(first[k] + 1);
+            }
+        }
+        let spans = [0, 1, 2].map(|k| i64::from(to[k]) - i64::from(from[k]) + 1);
+        (spans.iter().all(|&s| s <= FEW_CELLS) && spans.iter().product::<i64>() <= FEW_CELLS).then_some([from, to])
     }
 
     #[cfg(target_arch = "x86_64")]
