@@ -38,7 +38,14 @@ impl Tints {
                 },
             ),
             thicket: Fractal::few(mix(seed ^ 13), 700.0, 5),
-            tuft: Fractal::few(mix(seed ^ 14), 22.0, 5),
+            tuft: Fractal::new(
+                mix(seed ^ 14),
+                &Octaves {
+                    wavelength_m: 22.0,
+                    detail_m: 0.7,
+                    gain: 0.64,
+                },
+            ),
             polar_sine: sin_cos(polar_deg).0,
         }
     }
@@ -185,7 +192,7 @@ impl Ground {
         let meadow = mixed(
             meadow,
             palette.dry,
-            0.4 * smoothstep([0.1, 0.8], 0.6 * thicket + 0.8 * tuft),
+            0.4 * smoothstep([0.1, 0.8], 0.6 * thicket + 0.7 * tuft),
         );
         let sand = mixed(
             palette.desert,

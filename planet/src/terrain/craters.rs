@@ -219,7 +219,7 @@ impl Class {
             let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-12);
             // Noise of the offset's direction is constant along rays from the centre.
             let [a, b, c] = v.map(|k| k / length * 4.0 + f64::from((site >> 20) as i32));
-            let streak = (noise(&self.streaks, a, b, c) * 2.5).clamp(0.0, 1.0);
+            let streak = (noise(&self.streaks, a, b, c) * 3.0).clamp(0.0, 1.0);
             let fresh = f64::from((site >> 24) as i32) * (1.0 / 255.0);
             bright += fade * (halo + streak * (0.35 + 0.65 * fade)) * fresh * 1.3;
         }

@@ -208,8 +208,8 @@ mod tests {
         let (lattice, p) = (Lattice::new(7, 3.0), points());
         let mut wide = [0.0; LANES];
         noise_at(&lattice, &p, &mut wide);
-        for i in 0..LANES {
-            assert_eq!(wide[i].to_bits(), noise(&lattice, p.x[i], p.y[i], p.z[i]).to_bits());
+        for (i, w) in wide.iter().enumerate() {
+            assert_eq!(w.to_bits(), noise(&lattice, p.x[i], p.y[i], p.z[i]).to_bits());
         }
     }
 
