@@ -30,11 +30,12 @@ fn main() -> Result<(), Box<dyn Error>> {
     let nanoseconds = start.elapsed().as_nanos() as f64 / heights.len() as f64;
     let image = view.shade(&recipe, &terrain, &directions, &heights, &spacing);
     write_png(Path::new(out), view.columns, view.rows, &image)?;
-    report(&recipe, &terrain, &heights, nanoseconds);
+    let centre = heights[view.rows / 2 * view.columns + view.columns / 2];
+    report(&recipe, &terrain, &heights, [nanoseconds, centre]);
     Ok(())
 }
 
-fn report(recipe: &Recipe, terrain: &Terrain, heights: &[f64], nanoseconds: f64) {
+fn report(recipe: &Recipe, terrain: &Terrain, heights: &[f64], [nanoseconds, centre]: [f64; 2]) {
     let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
     let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (least, most) = terrain.height_range();
@@ -42,7 +43,7 @@ fn report(recipe: &Recipe, terrain: &Terrain, heights: &[f64], nanoseconds: f64)
         "{}: {nanoseconds:.0} ns/sample, heights {low:.1} to {high:.1} m of {least:.0} to {most:.0} m",
         recipe.name
     );
-    println!("height at the centre: {:.1} m", heights[heights.len() / 2]);
+    println!("height at the centre: {centre:.1} m");
     if let Some(sea) = &recipe.sea {
         let wet = heights.iter().filter(|&&h| h < sea.level_m).count();
         println!(
