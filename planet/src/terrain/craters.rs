@@ -278,3 +278,60 @@ impl Craters {
         (-1.3 * depth, 0.7 * depth)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::noise::unit;
+    use super::*;
+    use std::array;
+
+    fn class(diameter_m: f64) -> Class {
+        let recipe = recipe::Craters {
+            largest_m: diameter_m,
+            smallest_m: diameter_m,
+            density: 1.0,
+            growth: 1.0,
+            depth: 0.2,
+            complex_m: 1e8,
+            reach: 2.0,
+            rays: 0.0,
+            basins: false,
+            above_m: [-3e5, -2e5],
+            below: 0.0,
+        };
+        Class::new(3, &recipe, 1000.0, diameter_m, 1.0)
+    }
+
+    /// Points on a sphere of 1000 m within `spread` of a pole.
+    fn points(spread: f64) -> Points {
+        let draw = |i: usize, salt: u64| (unit(mix(i as u64 ^ salt)) - 0.5) * spread;
+        let x: Lane = array::from_fn(|i| draw(i, 1 << 40));
+        let y: Lane = array::from_fn(|i| draw(i, 2 << 40));
+        let z = array::from_fn(|i| (1e6 - x[i] * x[i] - y[i] * y[i]).sqrt());
+        Points { x, y, z, count: LANES }
+    }
+
+    #[test]
+    fn wide_or_shared_sites_differ_from_single_points() {
+        for (diameter_m, spread) in [(300.0, 900.0), (20.0, 60.0), (20.0, 900.0), (2.0, 900.0)] {
+            let (class, p) = (class(diameter_m), points(spread));
+            let (mut wide, mut narrow) = ([0.0; LANES], [0.0; LANES]);
+            class.add(&p, &[1.0; LANES], &mut wide);
+            class.add_lanes(&p, &[1.0; LANES], &mut narrow);
+            assert_eq!(wide, narrow);
+            assert!(
+                wide.iter().any(|&h| h != 0.0),
+                "no crater of {diameter_m} m in {spread} m"
+            );
+            for (i, w) in wide.iter().enumerate() {
+                let place = class.lattice.place(p.x[i], p.y[i], p.z[i]);
+                let mut sum = 0.0;
+                for corner in 0..8 {
+                    let (t, _, site) = class.site(place, corner);
+                    sum += class.height(t, site);
+                }
+                assert_eq!(*w, sum.clamp(-1.3, 0.7) * class.depth_m, "{diameter_m} m, point {i}");
+            }
+        }
+    }
+}
