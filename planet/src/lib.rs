@@ -6,8 +6,10 @@ pub mod ground;
 pub mod lattice;
 pub mod patch;
 pub mod progressive;
+pub mod recipe;
 pub mod simplify;
 pub mod sphere;
+pub mod terrain;
 pub mod texture;
 pub mod wake;
 

@@ -1,0 +1,274 @@
+//! The layers a terrain is composed of, in order, and their parameters with units and ranges. In: one `[[layer]]` table.
+//! Out: a checked [`Layer`]. What each layer looks like is in `recipes/README.md`.
+
+use super::error::RecipeError;
+use super::reader::Reader;
+use std::ops::RangeInclusive;
+
+const METRES: RangeInclusive<f64> = 0.0..=100_000.0;
+/// Longest and shortest wavelength of a noise octave, in metres. 0.25 m on the largest radius keeps cells below 2^30.
+const WAVELENGTH: RangeInclusive<f64> = 0.25..=1e8;
+const UNIT: RangeInclusive<f64> = 0.0..=1.0;
+
+/// A run of noise octaves, each half (nearly) as long as the one before.
+#[derive(Clone, Debug)]
+pub struct Octaves {
+    /// Wavelength of the first octave, in metres (0.25 to 1e8).
+    pub wavelength_m: f64,
+    /// No octave is shorter than this, in metres (0.25 to 1e8; default 1).
+    pub detail_m: f64,
+    /// Amplitude of each octave relative to the one before (0.2 to 0.8). 0.5 is H = 1, 0.57 about H = 0.8.
+    pub gain: f64,
+}
+
+/// Oceans and continents: low noise through a profile of elevations.
+#[derive(Clone, Debug)]
+pub struct Continents {
+    /// Octaves of the continent noise.
+    pub octaves: Octaves,
+    /// How far the noise domain is pushed about, in metres (0 to 1e7).
+    pub warp_m: f64,
+    /// Elevation profile: `[noise value, metres]`, both rising. Smooth and monotone in between, level beyond.
+    pub profile: Vec<[f64; 2]>,
+    /// Height of mid-ocean ridges above the floor, in metres (0 to 100000; default 0). They fade out above -2000 m.
+    pub ridge_m: f64,
+}
+
+/// Mountain ranges: ridged multifractal in a warped domain, along the zero lines of a range noise.
+#[derive(Clone, Debug)]
+pub struct Mountains {
+    /// Octaves of the ridges.
+    pub octaves: Octaves,
+    /// Height of the highest ridge, in metres.
+    pub amplitude_m: f64,
+    /// How far the domain is pushed about, in metres (0 to 1e6).
+    pub warp_m: f64,
+    /// Typical distance between ranges, in metres.
+    pub range_m: f64,
+    /// Width of ranges (0.01 to 2): the range noise at which they end.
+    pub range_width: f64,
+    /// Where ranges fade in, in metres of base elevation.
+    pub above_m: [f64; 2],
+}
+
+/// Rolling hills, or (with `roundness`) mounds with gullies between them, in part of the planet.
+#[derive(Clone, Debug)]
+pub struct Hills {
+    /// Octaves of the hills.
+    pub octaves: Octaves,
+    /// Amplitude of the first octave, in metres.
+    pub amplitude_m: f64,
+    /// 0: plain noise; 1: rounded mounds with gullies between them; -1: rounded pans with sharp crests between them.
+    pub roundness: f64,
+    /// Typical size of a hilly region, in metres.
+    pub region_m: f64,
+    /// Share of the planet that is hilly, about (0 to 1; default 0.5).
+    pub cover: f64,
+    /// Where hills fade in, in metres of base elevation.
+    pub above_m: [f64; 2],
+}
+
+/// Gentle relief everywhere.
+#[derive(Clone, Debug)]
+pub struct Plains {
+    /// Octaves of the relief.
+    pub octaves: Octaves,
+    /// Amplitude of the first octave, in metres.
+    pub amplitude_m: f64,
+}
+
+/// Craters in size classes, each half as large as the one before.
+#[derive(Clone, Debug)]
+pub struct Craters {
+    /// Rim diameter of the largest craters, in metres.
+    pub largest_m: f64,
+    /// Rim diameter of the smallest class, in metres (at least 1).
+    pub smallest_m: f64,
+    /// Share of the possible sites that hold a crater in the largest class (0 to 1).
+    pub density: f64,
+    /// Factor on `density` for each smaller class (0.5 to 2): N(>D) ~ D^-(2 + log2 of this).
+    pub growth: f64,
+    /// Depth of small fresh craters relative to their diameter (0 to 0.4; default 0.2).
+    pub depth: f64,
+    /// Diameter in metres past which craters are complex: shallower, flat-floored, with a central peak.
+    pub complex_m: f64,
+    /// Reach of the ejecta or rays, in crater radii (2 to 12; default 2).
+    pub reach: f64,
+    /// Brightness of rays in the albedo (0 to 1; default 0).
+    pub rays: f64,
+    /// Base elevations over which craters fade in, in metres.
+    pub above_m: [f64; 2],
+    /// Share of the relief that is left below `above_m` (0 to 1; default 0).
+    pub below: f64,
+}
+
+/// Where a heightmap lies.
+#[derive(Clone, Debug)]
+pub enum Placement {
+    /// The whole planet, equirectangular: the first row is north, the left edge is longitude -180.
+    Planet,
+    /// A rectangle about a point (gnomonic), at most a radius wide.
+    Local {
+        /// Latitude of the centre, in degrees (-90 to 90).
+        latitude_deg: f64,
+        /// Longitude of the centre, in degrees (-180 to 180).
+        longitude_deg: f64,
+        /// Width of the image on the ground, in metres; its height follows from the pixels, which are square.
+        width_m: f64,
+        /// Direction of the image's upper edge, in degrees clockwise from north (-360 to 360; default 0).
+        heading_deg: f64,
+        /// Width of the edge over which the image blends with the ground, in metres.
+        blend_m: f64,
+    },
+}
+
+/// A 16-bit greyscale PNG that replaces the elevation where it lies.
+#[derive(Clone, Debug)]
+pub struct Heightmap {
+    /// The image's name, relative to the recipe.
+    pub file: String,
+    /// Height of black, in metres.
+    pub low_m: f64,
+    /// Height of white, in metres.
+    pub high_m: f64,
+    /// Where it lies.
+    pub placement: Placement,
+    /// Line and path of the `file` key, for messages.
+    pub(crate) origin: (usize, String),
+}
+
+/// One layer of the terrain.
+#[derive(Clone, Debug)]
+pub enum Layer {
+    /// Oceans and continents.
+    Continents(Continents),
+    /// Mountain ranges.
+    Mountains(Mountains),
+    /// Hills, mounds, gullies.
+    Hills(Hills),
+    /// Gentle relief.
+    Plains(Plains),
+    /// Impact craters.
+    Craters(Craters),
+    /// An image.
+    Heightmap(Heightmap),
+}
+
+impl Layer {
+    pub(crate) fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
+        let kinds = "a layer kind: continents, mountains, hills, plains, craters, heightmap";
+        let kind = reader.string("kind", kinds)?;
+        let layer = match kind.as_str() {
+            "continents" => Self::Continents(Continents::read(reader)?),
+            "mountains" => Self::Mountains(Mountains::read(reader)?),
+            "hills" => Self::Hills(Hills::read(reader)?),
+            "plains" => Self::Plains(Plains::read(reader)?),
+            "craters" => Self::Craters(Craters::read(reader, radius)?),
+            "heightmap" => Self::Heightmap(Heightmap::read(reader, radius)?),
+            other => return Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
+        };
+        reader.finish()?;
+        Ok(layer)
+    }
+}
+
+impl Octaves {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        let wavelength_m = reader.number("wavelength_m", WAVELENGTH)?;
+        let detail_m = reader.number_or("detail_m", *WAVELENGTH.start()..=wavelength_m, wavelength_m.min(1.0))?;
+        Ok(Self { wavelength_m, detail_m, gain: reader.number("gain", 0.2..=0.8)? })
+    }
+}
+
+/// Everywhere, where the key is missing: no base elevation is this low.
+fn read_above(reader: &Reader<'_>) -> Result<[f64; 2], RecipeError> {
+    if reader.has("above_m") {
+        reader.span("above_m", -1e5..=1e5)
+    } else {
+        Ok([-3e5, -2e5])
+    }
+}
+
+impl Continents {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        Ok(Self {
+            octaves: Octaves::read(reader)?,
+            warp_m: reader.number_or("warp_m", 0.0..=1e7, 0.0)?,
+            profile: reader.rising_pairs("profile")?,
+            ridge_m: reader.number_or("ridge_m", METRES, 0.0)?,
+        })
+    }
+}
+
+impl Mountains {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        Ok(Self {
+            octaves: Octaves::read(reader)?,
+            amplitude_m: reader.number("amplitude_m", METRES)?,
+            warp_m: reader.number_or("warp_m", 0.0..=1e6, 0.0)?,
+            range_m: reader.number("range_m", WAVELENGTH)?,
+            range_width: reader.number("range_width", 0.01..=2.0)?,
+            above_m: read_above(reader)?,
+        })
+    }
+}
+
+impl Hills {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        Ok(Self {
+            octaves: Octaves::read(reader)?,
+            amplitude_m: reader.number("amplitude_m", METRES)?,
+            roundness: reader.number_or("roundness", -1.0..=1.0, 0.0)?,
+            region_m: reader.number("region_m", WAVELENGTH)?,
+            cover: reader.number_or("cover", UNIT, 0.5)?,
+            above_m: read_above(reader)?,
+        })
+    }
+}
+
+impl Plains {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        Ok(Self { octaves: Octaves::read(reader)?, amplitude_m: reader.number("amplitude_m", METRES)? })
+    }
+}
+
+impl Craters {
+    fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
+        let reach = reader.number_or("reach", 2.0..=12.0, 2.0)?;
+        // A crater's cell must stay small against the planet: its ejecta reach a third of the radius at most.
+        let largest_m = reader.number("largest_m", 1.0..=0.7 * radius / reach)?;
+        Ok(Self {
+            largest_m,
+            smallest_m: reader.number("smallest_m", 1.0..=largest_m)?,
+            density: reader.number_or("density", UNIT, 1.0)?,
+            growth: reader.number_or("growth", 0.5..=2.0, 1.0)?,
+            depth: reader.number_or("depth", 0.0..=0.4, 0.2)?,
+            complex_m: reader.number_or("complex_m", 1.0..=1e8, 1e8)?,
+            reach,
+            rays: reader.number_or("rays", UNIT, 0.0)?,
+            above_m: read_above(reader)?,
+            below: reader.number_or("below", UNIT, 0.0)?,
+        })
+    }
+}
+
+impl Heightmap {
+    fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
+        let file = reader.string("file", "the name of a 16-bit greyscale PNG")?;
+        let [low_m, high_m] = reader.span("range_m", -1e5..=1e5)?;
+        let placement = if reader.has("latitude_deg") || reader.has("longitude_deg") || reader.has("width_m") {
+            let width_m = reader.number("width_m", 1.0..=radius)?;
+            Placement::Local {
+                latitude_deg: reader.number("latitude_deg", -90.0..=90.0)?,
+                longitude_deg: reader.number("longitude_deg", -180.0..=180.0)?,
+                width_m,
+                heading_deg: reader.number_or("heading_deg", -360.0..=360.0, 0.0)?,
+                blend_m: reader.number_or("blend_m", 0.0..=0.5 * width_m, 0.1 * width_m)?,
+            }
+        } else {
+            Placement::Planet
+        };
+        let origin = (reader.line_of("file"), reader.path_of("file"));
+        Ok(Self { file, low_m, high_m, placement, origin })
+    }
+}

@@ -1,0 +1,184 @@
+//! A planet's recipe: TOML text and the images it names, range-checked. In: text, or a file. Out: a [`Recipe`], from
+//! which [`crate::terrain::Terrain`] is built. Keys, units and ranges are documented in `recipes/README.md`.
+
+mod error;
+mod layer;
+mod palette;
+mod reader;
+
+pub use error::RecipeError;
+pub use layer::{Continents, Craters, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
+pub use palette::{Airless, Colour, Living, Palette};
+
+use reader::{Reader, Source};
+use std::path::Path;
+
+/// A sea of one level.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Sea {
+    /// Surface, in metres relative to the planet's radius.
+    pub level_m: f64,
+    /// Colour of shallow water, linear RGB reflectance from 0 to 1.
+    pub shallow: [f64; 3],
+    /// Colour of deep water, linear RGB reflectance from 0 to 1.
+    pub deep: [f64; 3],
+    /// Ground within about this many metres of the level is flattened into beaches and shelves (0: not at all).
+    pub beach_m: f64,
+}
+
+/// A thin shell of gas, exponential in height above the radius.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Atmosphere {
+    /// Height in metres over which the molecules thin out by a factor e.
+    pub scale_height_m: f64,
+    /// Rayleigh scattering at the datum for red, green, blue, per metre.
+    pub rayleigh: [f64; 3],
+    /// Aerosol scattering at the datum, per metre.
+    pub mie: f64,
+    /// Height in metres over which the aerosols thin out by a factor e.
+    pub mie_scale_height_m: f64,
+}
+
+/// A file that the recipe refers to, as its raw bytes.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Asset {
+    /// The name by which the recipe refers to it.
+    pub name: String,
+    /// The file, unchanged.
+    pub bytes: Vec<u8>,
+}
+
+/// Everything that decides a planet.
+#[derive(Clone, Debug)]
+pub struct Recipe {
+    /// The planet's name.
+    pub name: String,
+    /// Radius of the datum, in metres (1000 to 1e8).
+    pub radius: f64,
+    /// Seed of all noise.
+    pub seed: u64,
+    /// The sea, if any.
+    pub sea: Option<Sea>,
+    /// The atmosphere, if any.
+    pub atmosphere: Option<Atmosphere>,
+    /// Layers of the terrain, in the order in which they are composed.
+    pub layers: Vec<Layer>,
+    /// Ground colours.
+    pub palette: Palette,
+    /// The text this recipe was read from.
+    pub text: String,
+    /// The files that the text names, in order of first use.
+    pub assets: Vec<Asset>,
+    /// The recipe's name in messages.
+    pub(crate) file: String,
+}
+
+impl Recipe {
+    /// Reads a recipe file and the images beside it.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or as [`Recipe::from_toml`].
+    pub fn load(path: &Path) -> Result<Self, RecipeError> {
+        let file = path.display().to_string();
+        let text = std::fs::read_to_string(path).map_err(|source| RecipeError::Read { file: file.clone(), source })?;
+        Self::from_toml(&text, &file, path.parent().unwrap_or(Path::new("")))
+    }
+
+    /// Parses and range-checks. `name` is used in messages; `base` is the folder that image names are relative to.
+    ///
+    /// # Errors
+    /// For text that is not TOML, for unknown or missing keys, wrong types, values out of range (with file, line, key
+    /// path, found and expected), and for images that cannot be read.
+    pub fn from_toml(text: &str, name: &str, base: &Path) -> Result<Self, RecipeError> {
+        let mut recipe = Self::parse(text, name)?;
+        for map in recipe.heightmaps() {
+            if recipe.assets.iter().any(|a| a.name == map.file) {
+                continue;
+            }
+            let path = base.join(&map.file);
+            let bytes = std::fs::read(&path)
+                .map_err(|e| recipe.heightmap_error(&map, format!("{e} at {}", path.display()), "a readable file"))?;
+            recipe.assets.push(Asset { name: map.file, bytes });
+        }
+        Ok(recipe)
+    }
+
+    /// Rebuilds a recipe from its text and assets alone, as a planet file stores them.
+    ///
+    /// # Errors
+    /// As [`Recipe::from_toml`], and if an image that the text names is not among the assets.
+    pub fn from_parts(text: &str, name: &str, assets: Vec<Asset>) -> Result<Self, RecipeError> {
+        let mut recipe = Self::parse(text, name)?;
+        for map in recipe.heightmaps() {
+            if !assets.iter().any(|a| a.name == map.file) {
+                return Err(recipe.heightmap_error(&map, "no such asset".into(), "its bytes among the assets"));
+            }
+        }
+        recipe.assets = assets;
+        Ok(recipe)
+    }
+
+    fn parse(text: &str, file: &str) -> Result<Self, RecipeError> {
+        let source = Source { file, text };
+        let document = toml::de::DeTable::parse(text).map_err(|e| RecipeError::Syntax {
+            file: file.to_owned(),
+            line: source.line(e.span().map_or(0, |s| s.start)),
+            message: e.message().to_owned(),
+        })?;
+        let reader = Reader::new(&source, document.get_ref());
+        let radius = reader.number("radius_m", 1e3..=1e8)?;
+        let name = reader.string("name", "the planet's name")?;
+        let seed = reader.whole("seed")?;
+        let sea = reader.table("sea")?.map(|r| Sea::read(&r)).transpose()?;
+        let atmosphere = reader.table("atmosphere")?.map(|r| Atmosphere::read(&r)).transpose()?;
+        let layers = reader.tables("layer")?.iter().map(|r| Layer::read(r, radius)).collect::<Result<_, _>>()?;
+        let palette = reader.table("palette")?.ok_or_else(|| reader.wrong("palette", 1, "nothing", "a table"))?;
+        let palette = Palette::read(&palette)?;
+        reader.finish()?;
+        let (text, file) = (text.to_owned(), file.to_owned());
+        Ok(Self { name, radius, seed, sea, atmosphere, layers, palette, text, assets: Vec::new(), file })
+    }
+
+    fn heightmaps(&self) -> Vec<Heightmap> {
+        let maps = self.layers.iter().filter_map(|l| if let Layer::Heightmap(m) = l { Some(m.clone()) } else { None });
+        maps.collect()
+    }
+
+    /// An error about a heightmap's image, at the line of its `file` key.
+    pub(crate) fn heightmap_error(&self, map: &Heightmap, found: String, expected: &str) -> RecipeError {
+        RecipeError::Heightmap {
+            file: self.file.clone(),
+            line: map.origin.0,
+            path: map.origin.1.clone(),
+            image: map.file.clone(),
+            found,
+            expected: expected.to_owned(),
+        }
+    }
+}
+
+impl Sea {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        let sea = Self {
+            level_m: reader.number_or("level_m", -1e5..=1e5, 0.0)?,
+            shallow: reader.numbers("shallow", 0.0..=1.0)?,
+            deep: reader.numbers("deep", 0.0..=1.0)?,
+            beach_m: reader.number_or("beach_m", 0.0..=1000.0, 0.0)?,
+        };
+        reader.finish()?;
+        Ok(sea)
+    }
+}
+
+impl Atmosphere {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        let atmosphere = Self {
+            scale_height_m: reader.number("scale_height_m", 1.0..=1e6)?,
+            rayleigh: reader.numbers("rayleigh_per_m", 0.0..=1.0)?,
+            mie: reader.number("mie_per_m", 0.0..=1.0)?,
+            mie_scale_height_m: reader.number("mie_scale_height_m", 1.0..=1e6)?,
+        };
+        reader.finish()?;
+        Ok(atmosphere)
+    }
+}
