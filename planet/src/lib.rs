@@ -1,16 +1,19 @@
 //! Planets as per-patch progressive meshes: cube-sphere terrain, the progressive-mesh builder, the planet file and the
 //! CPU reference of everything the GPU does. Knows no Vulkan, no window and no GPU (DESIGN: invariant 7).
 
+pub mod bake;
 pub mod border;
 pub mod ground;
 pub mod lattice;
 pub mod layout;
 pub mod patch;
+pub mod planet;
 pub mod progressive;
 pub mod recipe;
 pub mod reference;
 pub mod simplify;
 pub mod sphere;
+pub mod store;
 pub mod terrain;
 pub mod texture;
 pub mod tree;

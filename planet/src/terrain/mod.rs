@@ -12,23 +12,13 @@ mod octaves;
 mod profile;
 mod relief;
 
+pub use crate::ground::GroundPoint;
 use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
 use craters::Craters;
 use glam::DVec3;
 use heightmap::Heightmap;
 use noise::{mix, Lane, Points, LANES};
 use relief::{Continents, Hills, Mountains, Plains};
-
-/// Where an albedo is asked for.
-#[derive(Clone, Copy, Debug)]
-pub struct GroundPoint {
-    /// Unit direction from the planet's centre.
-    pub direction: DVec3,
-    /// Height above the radius, in metres.
-    pub height: f64,
-    /// Length of the height's gradient: tangent of the slope angle.
-    pub slope: f64,
-}
 
 /// A planet's ground, ready to evaluate. Shared freely between threads.
 pub struct Terrain {

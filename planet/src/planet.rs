@@ -1,0 +1,114 @@
+//! A planet: recipe, terrain, lattice and grid together, from which every patch follows.
+
+use crate::bake::build_patch;
+use crate::ground::{Elevation, Ground, GroundColour, GroundPoint};
+use crate::lattice::Lattice;
+use crate::patch::{PatchId, MAX_CELLS, MIN_CELLS};
+use crate::progressive::PatchMesh;
+use crate::recipe::{Recipe, RecipeError};
+use crate::simplify::builder::Faults;
+use crate::store::PlanetHeader;
+use crate::terrain::Terrain;
+use crate::texture::PatchTexture;
+use glam::DVec3;
+use thiserror::Error;
+
+impl Elevation for Terrain {
+    fn heights(&self, directions: &[DVec3], heights: &mut [f64]) {
+        Terrain::heights(self, directions, heights);
+    }
+}
+
+impl GroundColour for Terrain {
+    fn albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
+        Terrain::albedo(self, points, albedo);
+    }
+}
+
+/// Why a planet cannot be made.
+#[derive(Debug, Error)]
+pub enum PlanetError {
+    /// The recipe.
+    #[error(transparent)]
+    Recipe(#[from] RecipeError),
+    /// A grid that no patch has.
+    #[error("{found} cells along a patch side, expected a power of two from {MIN_CELLS} to {MAX_CELLS}")]
+    Cells {
+        /// Cells asked for.
+        found: u32,
+    },
+    /// A planet file whose lattice is not that of its recipe.
+    #[error("'{name}': the file's lattice has unit {found} m, expected {expected} m from its recipe; bake it again")]
+    Lattice {
+        /// Name of the planet.
+        name: String,
+        /// Unit in the file, in metres.
+        found: f64,
+        /// Unit of the recipe, in metres.
+        expected: f64,
+    },
+}
+
+/// A planet, ready to build patches of.
+pub struct Planet {
+    /// What decides it.
+    pub recipe: Recipe,
+    /// Its ground.
+    pub terrain: Terrain,
+    /// Its lattice.
+    pub lattice: Lattice,
+    /// Grid cells along a patch side.
+    pub cells: u32,
+}
+
+impl Planet {
+    /// The planet of a recipe, with patches of `cells` cells a side.
+    ///
+    /// # Errors
+    /// If the cells are not a power of two in range, or if one of the recipe's images is damaged.
+    pub fn from_recipe(recipe: Recipe, cells: u32) -> Result<Planet, PlanetError> {
+        if !cells.is_power_of_two() || !(MIN_CELLS..=MAX_CELLS).contains(&cells) {
+            return Err(PlanetError::Cells { found: cells });
+        }
+        let terrain = Terrain::new(&recipe)?;
+        let lattice = Lattice::new(recipe.radius, terrain.height_range().1);
+        Ok(Planet { recipe, terrain, lattice, cells })
+    }
+
+    /// The planet that a planet file was baked from.
+    ///
+    /// # Errors
+    /// If its recipe is not valid, or gives another lattice.
+    pub fn from_header(header: &PlanetHeader) -> Result<Planet, PlanetError> {
+        let recipe = Recipe::from_parts(&header.recipe, &header.name, header.assets.clone())?;
+        let planet = Planet::from_recipe(recipe, header.cells)?;
+        if planet.lattice != header.lattice {
+            let (found, expected) = (header.lattice.unit, planet.lattice.unit);
+            return Err(PlanetError::Lattice { name: header.name.clone(), found, expected });
+        }
+        Ok(planet)
+    }
+
+    /// What a planet file says about this planet.
+    pub fn header(&self) -> PlanetHeader {
+        let (lowest, highest) = self.terrain.height_range();
+        PlanetHeader {
+            name: self.recipe.name.clone(),
+            recipe: self.recipe.text.clone(),
+            assets: self.recipe.assets.clone(),
+            cells: self.cells,
+            lattice: self.lattice,
+            height_range: [lowest, highest],
+        }
+    }
+
+    /// Terrain on the lattice.
+    pub fn ground(&self) -> Ground<'_> {
+        Ground { elevation: &self.terrain, lattice: self.lattice, cells: self.cells }
+    }
+
+    /// Builds a patch: the same bytes as in any planet file of this recipe and grid.
+    pub fn build(&self, id: PatchId) -> (PatchMesh, PatchTexture, Faults) {
+        build_patch(&self.ground(), &self.terrain, id)
+    }
+}

@@ -1,0 +1,165 @@
+//! What can be wrong with a planet file or with one of its records.
+
+use crate::patch::PatchId;
+use std::path::PathBuf;
+use thiserror::Error;
+
+/// What is wrong with the bytes of one patch record.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum RecordError {
+    /// Too short for what it has to hold.
+    #[error("{what} ends after {found} bytes, expected {expected}")]
+    Short {
+        /// Part of the record.
+        what: &'static str,
+        /// Bytes there are.
+        found: usize,
+        /// Bytes there should be.
+        expected: usize,
+    },
+    /// Not a record of this kind.
+    #[error("magic {found:?}, expected {expected:?}")]
+    Magic {
+        /// First four bytes.
+        found: [u8; 4],
+        /// What they should be.
+        expected: [u8; 4],
+    },
+    /// A record of another version of the format.
+    #[error("record version {found}, expected {expected}")]
+    Version {
+        /// Version of the record.
+        found: u16,
+        /// The version that this program reads.
+        expected: u16,
+    },
+    /// The bytes are not those that were written.
+    #[error("checksum {found:08x}, expected {expected:08x}")]
+    Checksum {
+        /// Checksum of the bytes.
+        found: u32,
+        /// Checksum that the record states.
+        expected: u32,
+    },
+    /// A record of another patch, or of another grid.
+    #[error("belongs to {found}, expected {expected}")]
+    Belongs {
+        /// Patch and cells of the record.
+        found: String,
+        /// Patch and cells that were asked for.
+        expected: String,
+    },
+    /// A stream does not decompress to the length it must have.
+    #[error("stream '{stream}' is damaged: {reason}")]
+    Stream {
+        /// Name of the stream.
+        stream: &'static str,
+        /// What went wrong.
+        reason: String,
+    },
+    /// Bytes after the last stream.
+    #[error("{0} bytes too many")]
+    Trailing(usize),
+    /// A vertex that no builder makes.
+    #[error("vertex {place}: {reason}")]
+    Vertex {
+        /// Place in wake order.
+        place: usize,
+        /// Which rule it breaks.
+        reason: &'static str,
+    },
+    /// Bounds, heights or measures that no builder makes.
+    #[error("{0}")]
+    Measure(&'static str),
+}
+
+/// Why a planet file cannot be used.
+#[derive(Debug, Error)]
+pub enum StoreError {
+    /// The system refused.
+    #[error("{file}: cannot {action}: {source}")]
+    System {
+        /// The planet file.
+        file: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What the system said.
+        source: std::io::Error,
+    },
+    /// The database refused.
+    #[error("{file}: cannot {action}: {source}")]
+    Database {
+        /// The planet file.
+        file: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What SQLite said.
+        source: rusqlite::Error,
+    },
+    /// Some other file.
+    #[error("{file}: not a planet file: found {found}, expected a database written by 'terrane bake'; choose another path")]
+    Foreign {
+        /// The file.
+        file: PathBuf,
+        /// What it is.
+        found: String,
+    },
+    /// A planet file of another format version.
+    #[error("{file}: planet file of format version {found}, expected {expected}; {advice}")]
+    Version {
+        /// The planet file.
+        file: PathBuf,
+        /// Its version.
+        found: u32,
+        /// The version that this program reads.
+        expected: u32,
+        /// What to do next.
+        advice: &'static str,
+    },
+    /// A planet file of another planet or grid than the one to be baked.
+    #[error("{file}: holds another planet: {what} is {found}, expected {expected}; bake into another file or delete this one")]
+    Differs {
+        /// The planet file.
+        file: PathBuf,
+        /// What differs.
+        what: &'static str,
+        /// In the file.
+        found: String,
+        /// In the planet at hand.
+        expected: String,
+    },
+    /// The file as a whole is damaged or cut short.
+    #[error("{file}: damaged: {what}; delete it and bake it again")]
+    Damaged {
+        /// The planet file.
+        file: PathBuf,
+        /// What was found, and what was expected.
+        what: String,
+    },
+    /// One patch is damaged.
+    #[error("{file}: patch {id}: damaged {part}: {source}; delete the file and bake it again")]
+    DamagedPatch {
+        /// The planet file.
+        file: PathBuf,
+        /// The patch.
+        id: PatchId,
+        /// "geometry" or "texture".
+        part: &'static str,
+        /// What is wrong.
+        source: RecordError,
+    },
+    /// A patch that the file does not hold.
+    #[error("{file}: patch {id} is not in the file; bake deeper levels, or build it from the recipe")]
+    Absent {
+        /// The planet file.
+        file: PathBuf,
+        /// The patch.
+        id: PatchId,
+    },
+    /// Writing to a file that was opened for reading.
+    #[error("{file}: opened for reading only; open it with create_or_resume to add patches")]
+    ReadOnly {
+        /// The planet file.
+        file: PathBuf,
+    },
+}

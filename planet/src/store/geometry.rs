@@ -1,0 +1,210 @@
+//! The geometry record: a [`PatchMesh`] as streams, one a field and byte.
+//!
+//! Vertices go by wake order: the larger wake as falling steps, the grid position, the way to the parent on the grid. Heights
+//! go by grid, coarse to fine, as differences from the mean of their neighbours. The two wakes of a vertex differ on a
+//! patch's border only; what the smaller one lacks is a stream of nearly all zeros.
+
+use super::error::RecordError;
+use super::predict::{mean, merge_plane, midpoint_order, plane, unzigzag, zigzag};
+use super::record::{RecordReader, RecordWriter};
+use crate::lattice::{LatticeBox, EXTENT};
+use crate::patch::{PatchId, MAX_CELLS, MIN_CELLS};
+use crate::progressive::{PatchMesh, Vertex};
+use crate::wake::Wake;
+use glam::IVec3;
+
+/// First bytes of a geometry record.
+pub const MAGIC: [u8; 4] = *b"TRPG";
+
+/// Names of the streams and how many byte planes each has, in file order.
+const STREAMS: [(&str, u32); 6] =
+    [("wake steps", 2), ("grid positions", 2), ("parents", 2), ("own wake deficits", 2), ("coarser wake deficits", 2), ("heights", 4)];
+
+/// Bytes before the streams: box 24, heights 8, deviation 8, odd wake 8.
+const MEASURES: usize = 48;
+
+/// Whether patches of so many cells a side exist.
+pub(super) fn cells_are_valid(cells: u32) -> bool {
+    cells.is_power_of_two() && (MIN_CELLS..=MAX_CELLS).contains(&cells)
+}
+
+/// The record of a mesh, or which of the builder's promises it breaks (nothing is stored that could not be read back).
+pub fn encode(mesh: &PatchMesh) -> Result<Vec<u8>, RecordError> {
+    validate(mesh)?;
+    let mut record = RecordWriter::new(MAGIC, mesh.id, mesh.cells);
+    let [low, high] = [mesh.bounds.low, mesh.bounds.high];
+    for number in [low.x, low.y, low.z, high.x, high.y, high.z, mesh.heights[0], mesh.heights[1]] {
+        record.plain(&number.to_le_bytes());
+    }
+    record.plain(&mesh.deviation.to_le_bytes());
+    record.plain(&mesh.odd_wake.to_le_bytes());
+    let numbers = [wake_steps(mesh), grid_positions(mesh), parents(mesh), deficits(mesh, |v| v.own), deficits(mesh, |v| v.coarser), residuals(mesh)];
+    for ((_, planes), numbers) in STREAMS.into_iter().zip(numbers) {
+        (0..planes).for_each(|p| record.stream(&plane(&numbers, p)));
+    }
+    Ok(record.finish())
+}
+
+/// The mesh of a record, after every check that keeps a reader of it safe.
+pub fn decode(bytes: &[u8], id: PatchId, cells: u32) -> Result<PatchMesh, RecordError> {
+    if !cells_are_valid(cells) {
+        return Err(RecordError::Measure("the grid's cells are not a power of two in range"));
+    }
+    let count = ((cells + 1) * (cells + 1)) as usize;
+    let mut record = RecordReader::open(bytes, MAGIC, id, cells)?;
+    let raw = MEASURES + count * STREAMS.iter().map(|s| s.1 as usize).sum::<usize>();
+    if record.raw != raw {
+        return Err(RecordError::Short { what: "raw record", found: record.raw, expected: raw });
+    }
+    let mut corner = || Ok(IVec3::new(record.i32("bounds")?, record.i32("bounds")?, record.i32("bounds")?));
+    let bounds = LatticeBox { low: corner()?, high: corner()? };
+    let heights = [record.i32("heights")?, record.i32("heights")?];
+    let (deviation, odd_wake) = (record.f64("deviation")?, record.f64("odd wake")?);
+    let mut streams = Vec::with_capacity(STREAMS.len());
+    for (name, planes) in STREAMS {
+        let mut numbers = vec![0u32; count];
+        for p in 0..planes {
+            merge_plane(&mut numbers, &record.stream(name, count)?, p);
+        }
+        streams.push(numbers);
+    }
+    record.finish()?;
+    let vertices = vertices(&streams, cells)?;
+    let mesh = PatchMesh { id, cells, vertices, bounds, heights, deviation, odd_wake };
+    validate(&mesh)?;
+    Ok(mesh)
+}
+
+/// Everything that readers of a mesh rely on.
+fn validate(mesh: &PatchMesh) -> Result<(), RecordError> {
+    let count = ((mesh.cells + 1) * (mesh.cells + 1)) as usize;
+    if !cells_are_valid(mesh.cells) || mesh.vertices.len() != count {
+        return Err(RecordError::Short { what: "vertex list", found: mesh.vertices.len(), expected: count });
+    }
+    let mut seen = vec![false; count];
+    let mut previous = Wake::ALWAYS;
+    let (mut low, mut high) = (i32::MAX, i32::MIN);
+    for (place, vertex) in mesh.vertices.iter().enumerate() {
+        let wrong = |reason| Err(RecordError::Vertex { place, reason });
+        match seen.get_mut(usize::from(vertex.grid)) {
+            Some(slot) if !*slot => *slot = true,
+            _ => return wrong("its grid position is taken or outside the grid"),
+        }
+        if usize::from(vertex.parent) > place {
+            return wrong("its parent comes after it");
+        }
+        if vertex.wake() > previous {
+            return wrong("its wake is larger than the one before");
+        }
+        if vertex.height.unsigned_abs() > EXTENT.unsigned_abs() {
+            return wrong("its height is outside the lattice");
+        }
+        previous = vertex.wake();
+        (low, high) = (low.min(vertex.height), high.max(vertex.height));
+    }
+    if mesh.heights != [low, high] {
+        return Err(RecordError::Measure("the height range is not that of the vertices"));
+    }
+    measures_are_valid(mesh.bounds, mesh.heights, mesh.deviation, mesh.odd_wake).map_err(RecordError::Measure)
+}
+
+/// Checks bounds and measures alone.
+pub(super) fn measures_are_valid(bounds: LatticeBox, heights: [i32; 2], deviation: f64, odd_wake: f64) -> Result<(), &'static str> {
+    let inside = |p: IVec3| p.cmpge(IVec3::splat(-EXTENT)).all() && p.cmple(IVec3::splat(EXTENT)).all();
+    if !inside(bounds.low) || !inside(bounds.high) || !bounds.low.cmple(bounds.high).all() {
+        return Err("the bounds are not a box inside the lattice");
+    }
+    if heights[0] > heights[1] {
+        return Err("the lowest vertex is above the highest");
+    }
+    // An odd wake may be infinite: stuck border vertices never sleep.
+    if !(deviation >= 0.0 && deviation.is_finite() && odd_wake >= 0.0) {
+        return Err("deviation or odd wake is negative or not a number");
+    }
+    Ok(())
+}
+
+fn wake_steps(mesh: &PatchMesh) -> Vec<u32> {
+    let mut previous = Wake::ALWAYS.code();
+    let step = |v: &Vertex| {
+        let code = v.wake().code();
+        u32::from(std::mem::replace(&mut previous, code) - code)
+    };
+    mesh.vertices.iter().map(step).collect()
+}
+
+/// Row in the high byte, column in the low one: both at most 128.
+fn row_and_column(grid: u16, cells: u32) -> (u32, u32) {
+    (u32::from(grid) / (cells + 1), u32::from(grid) % (cells + 1))
+}
+
+fn grid_positions(mesh: &PatchMesh) -> Vec<u32> {
+    let pack = |v: &Vertex| {
+        let (row, column) = row_and_column(v.grid, mesh.cells);
+        row << 8 | column
+    };
+    mesh.vertices.iter().map(pack).collect()
+}
+
+/// Steps on the grid to the parent, modulo the side: one byte each.
+fn parents(mesh: &PatchMesh) -> Vec<u32> {
+    let side = mesh.cells + 1;
+    let pack = |v: &Vertex| {
+        let (row, column) = row_and_column(v.grid, mesh.cells);
+        let (to_row, to_column) = row_and_column(mesh.vertices[usize::from(v.parent)].grid, mesh.cells);
+        ((to_row + side - row) % side) << 8 | ((to_column + side - column) % side)
+    };
+    mesh.vertices.iter().map(pack).collect()
+}
+
+fn deficits(mesh: &PatchMesh, wake: impl Fn(&Vertex) -> Wake) -> Vec<u32> {
+    mesh.vertices.iter().map(|v| u32::from(v.wake().code() - wake(v).code())).collect()
+}
+
+fn residuals(mesh: &PatchMesh) -> Vec<u32> {
+    let mut heights = vec![0i32; mesh.vertices.len()];
+    for v in &mesh.vertices {
+        heights[usize::from(v.grid)] = v.height;
+    }
+    let mut residuals = Vec::with_capacity(heights.len());
+    midpoint_order(mesh.cells as usize, |v, around| residuals.push(zigzag(heights[v].wrapping_sub(mean(&heights, around)))));
+    residuals
+}
+
+/// Vertices from their streams; a grid position or parent that is not there is an error, the rest is left to [`validate`].
+fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError> {
+    let [steps, positions, ways, own, coarser, residuals] = streams else {
+        return Err(RecordError::Measure("streams are missing"));
+    };
+    let side = cells + 1;
+    let mut place_of = vec![u16::MAX; positions.len()];
+    let mut heights = vec![0i32; positions.len()];
+    let mut next = residuals.iter();
+    midpoint_order(cells as usize, |v, around| {
+        let residual = next.next().copied().unwrap_or(0);
+        heights[v] = mean(&heights, around).wrapping_add(unzigzag(residual));
+    });
+    let mut wake = u32::from(Wake::ALWAYS.code());
+    let mut vertices = Vec::with_capacity(positions.len());
+    for (place, &position) in positions.iter().enumerate() {
+        let wrong = |reason| RecordError::Vertex { place, reason };
+        let (row, column) = (position >> 8, position & 0xff);
+        if row >= side || column >= side {
+            return Err(wrong("its grid position is outside the grid"));
+        }
+        let grid = row * side + column;
+        place_of[grid as usize] = place as u16;
+        let (down, across) = (ways[place] >> 8, ways[place] & 0xff);
+        let parent = place_of[((row + down) % side * side + (column + across) % side) as usize];
+        if usize::from(parent) > place {
+            return Err(wrong("its parent comes after it"));
+        }
+        wake = wake.checked_sub(steps[place]).ok_or(wrong("its wake falls below zero"))?;
+        let lacks = |deficit: u32| wake.checked_sub(deficit).map(|code| Wake::from_code(code as u16)).ok_or(wrong("its wake falls below zero"));
+        if own[place] != 0 && coarser[place] != 0 {
+            return Err(wrong("neither of its wakes is the larger one"));
+        }
+        vertices.push(Vertex { grid: grid as u16, height: heights[grid as usize], own: lacks(own[place])?, coarser: lacks(coarser[place])?, parent });
+    }
+    Ok(vertices)
+}

@@ -1,0 +1,165 @@
+//! The envelope of a patch record: magic, version, patch, lengths and checksum, then one zstd frame a stream.
+//!
+//! All numbers are little-endian. A reader knows every stream's raw length from the cells of the grid, so no length in the
+//! record ever decides how much memory is taken.
+
+use super::error::RecordError;
+use crate::patch::PatchId;
+use crate::sphere::Face;
+
+/// Version of the records that this program writes and reads.
+pub const RECORD_VERSION: u16 = 1;
+
+/// Compression level of every stream. Fixed: a patch has the same bytes wherever it is baked.
+pub const ZSTD_LEVEL: i32 = 9;
+
+/// Bytes before the body: magic 4, version 2, cells 2, face 1, level 1, x 4, y 4, raw length 4, body length 4, checksum 4.
+pub const HEADER_BYTES: usize = 30;
+
+/// Where the checksum stands in the header.
+const CHECKSUM_AT: usize = HEADER_BYTES - 4;
+
+/// Writes one record.
+pub(super) struct RecordWriter {
+    bytes: Vec<u8>,
+    raw: usize,
+}
+
+impl RecordWriter {
+    pub(super) fn new(magic: [u8; 4], id: PatchId, cells: u32) -> RecordWriter {
+        let mut bytes = Vec::with_capacity(1 << 16);
+        bytes.extend(magic);
+        bytes.extend(RECORD_VERSION.to_le_bytes());
+        bytes.extend((cells as u16).to_le_bytes());
+        bytes.extend([id.face.index(), id.level]);
+        bytes.extend(id.x.to_le_bytes());
+        bytes.extend(id.y.to_le_bytes());
+        bytes.extend([0; 12]);
+        RecordWriter { bytes, raw: 0 }
+    }
+
+    /// Adds bytes as they are.
+    pub(super) fn plain(&mut self, bytes: &[u8]) {
+        self.raw += bytes.len();
+        self.bytes.extend(bytes);
+    }
+
+    /// Adds a compressed stream.
+    pub(super) fn stream(&mut self, bytes: &[u8]) {
+        self.raw += bytes.len();
+        // A frame of at most a few hundred kilobytes into a buffer of the size that zstd asks for cannot fail.
+        let packed = zstd::bulk::compress(bytes, ZSTD_LEVEL).expect("zstd compresses into its own bound");
+        self.bytes.extend((packed.len() as u32).to_le_bytes());
+        self.bytes.extend(packed);
+    }
+
+    /// The record, with its lengths and checksum.
+    pub(super) fn finish(mut self) -> Vec<u8> {
+        let body = (self.bytes.len() - HEADER_BYTES) as u32;
+        self.bytes[CHECKSUM_AT - 8..CHECKSUM_AT - 4].copy_from_slice(&(self.raw as u32).to_le_bytes());
+        self.bytes[CHECKSUM_AT - 4..CHECKSUM_AT].copy_from_slice(&body.to_le_bytes());
+        let crc = checksum(&self.bytes);
+        self.bytes[CHECKSUM_AT..HEADER_BYTES].copy_from_slice(&crc.to_le_bytes());
+        self.bytes
+    }
+}
+
+/// Checksum of a record: everything but the four bytes that hold it.
+fn checksum(bytes: &[u8]) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&bytes[..CHECKSUM_AT]);
+    hasher.update(&bytes[HEADER_BYTES..]);
+    hasher.finalize()
+}
+
+/// Reads one record whose envelope is sound.
+pub(super) struct RecordReader<'a> {
+    bytes: &'a [u8],
+    /// Raw length that the record states.
+    pub(super) raw: usize,
+}
+
+impl<'a> RecordReader<'a> {
+    /// Checks magic, version, lengths, checksum, patch and cells, in this order.
+    pub(super) fn open(bytes: &'a [u8], magic: [u8; 4], id: PatchId, cells: u32) -> Result<RecordReader<'a>, RecordError> {
+        if bytes.len() < HEADER_BYTES {
+            return Err(RecordError::Short { what: "record", found: bytes.len(), expected: HEADER_BYTES });
+        }
+        let (header, body) = bytes.split_at(HEADER_BYTES);
+        let mut fields = RecordReader { bytes: header, raw: 0 };
+        let found = fields.array::<4>("magic")?;
+        if found != magic {
+            return Err(RecordError::Magic { found, expected: magic });
+        }
+        let version = u16::from_le_bytes(fields.array("version")?);
+        if version != RECORD_VERSION {
+            return Err(RecordError::Version { found: version, expected: RECORD_VERSION });
+        }
+        let record_cells = u32::from(u16::from_le_bytes(fields.array("cells")?));
+        let [face, level] = fields.array("face and level")?;
+        let (x, y) = (fields.u32("column")?, fields.u32("row")?);
+        let (raw, stated, expected) = (fields.u32("raw length")?, fields.u32("body length")?, fields.u32("checksum")?);
+        if stated as usize > body.len() {
+            return Err(RecordError::Short { what: "record body", found: body.len(), expected: stated as usize });
+        }
+        if (stated as usize) < body.len() {
+            return Err(RecordError::Trailing(body.len() - stated as usize));
+        }
+        let found = checksum(bytes);
+        if found != expected {
+            return Err(RecordError::Checksum { found, expected });
+        }
+        let owner = Face::new(face).and_then(|face| PatchId::new(face, level, x, y));
+        if owner != Some(id) || record_cells != cells {
+            let name = owner.map_or_else(|| format!("no patch ({face}/{level}/{x}/{y})"), |id| id.to_string());
+            let found = format!("{name} with {record_cells} cells");
+            return Err(RecordError::Belongs { found, expected: format!("{id} with {cells} cells") });
+        }
+        Ok(RecordReader { bytes: body, raw: raw as usize })
+    }
+
+    fn take(&mut self, count: usize, what: &'static str) -> Result<&'a [u8], RecordError> {
+        if count > self.bytes.len() {
+            return Err(RecordError::Short { what, found: self.bytes.len(), expected: count });
+        }
+        let (head, rest) = self.bytes.split_at(count);
+        self.bytes = rest;
+        Ok(head)
+    }
+
+    /// The next bytes as they are.
+    pub(super) fn array<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], RecordError> {
+        let mut array = [0; N];
+        array.copy_from_slice(self.take(N, what)?);
+        Ok(array)
+    }
+
+    pub(super) fn u32(&mut self, what: &'static str) -> Result<u32, RecordError> {
+        Ok(u32::from_le_bytes(self.array(what)?))
+    }
+
+    pub(super) fn i32(&mut self, what: &'static str) -> Result<i32, RecordError> {
+        Ok(i32::from_le_bytes(self.array(what)?))
+    }
+
+    pub(super) fn f64(&mut self, what: &'static str) -> Result<f64, RecordError> {
+        Ok(f64::from_le_bytes(self.array(what)?))
+    }
+
+    /// The next stream, which must decompress to exactly `raw` bytes.
+    pub(super) fn stream(&mut self, stream: &'static str, raw: usize) -> Result<Vec<u8>, RecordError> {
+        let packed = self.u32(stream)? as usize;
+        let packed = self.take(packed, stream)?;
+        let damaged = |reason: String| RecordError::Stream { stream, reason };
+        let bytes = zstd::bulk::decompress(packed, raw).map_err(|e| damaged(e.to_string()))?;
+        if bytes.len() != raw {
+            return Err(damaged(format!("{} bytes, expected {raw}", bytes.len())));
+        }
+        Ok(bytes)
+    }
+
+    /// Ends the record: nothing may follow.
+    pub(super) fn finish(self) -> Result<(), RecordError> {
+        if self.bytes.is_empty() { Ok(()) } else { Err(RecordError::Trailing(self.bytes.len())) }
+    }
+}

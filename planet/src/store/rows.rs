@@ -1,0 +1,64 @@
+//! Patches as rows of the patch table: keys, metadata and the checksum over both.
+
+use super::geometry::measures_are_valid;
+use super::planet_file::PatchRecord;
+use crate::lattice::LatticeBox;
+use crate::patch::PatchId;
+use crate::sphere::Face;
+use glam::IVec3;
+use rusqlite::Row;
+
+/// Columns that [`read`] reads, in its order.
+pub(super) const COLUMNS: &str = "key, face, level, x, y, low_x, low_y, low_z, high_x, high_y, high_z, lowest, highest, \
+     deviation, odd_wake, always_awake, checksum, length(geometry), length(texture)";
+
+/// The key of a patch: 3 bits of face, 5 of level, 21 each of column and row.
+pub(super) fn key(id: PatchId) -> i64 {
+    (i64::from(id.face.index()) << 5 | i64::from(id.level)) << 42 | i64::from(id.x) << 21 | i64::from(id.y)
+}
+
+/// Checksum over key and metadata of a row.
+pub(super) fn checksum(record: &PatchRecord) -> u32 {
+    let mut hasher = crc32fast::Hasher::new();
+    hasher.update(&key(record.id).to_le_bytes());
+    let (low, high) = (record.bounds.low, record.bounds.high);
+    for number in [low.x, low.y, low.z, high.x, high.y, high.z, record.heights[0], record.heights[1]] {
+        hasher.update(&number.to_le_bytes());
+    }
+    hasher.update(&record.deviation.to_le_bytes());
+    hasher.update(&record.odd_wake.to_le_bytes());
+    for number in [record.always_awake, record.geometry_bytes, record.texture_bytes] {
+        hasher.update(&number.to_le_bytes());
+    }
+    hasher.finalize()
+}
+
+/// The row's record and checksum; the inner error says which patch is damaged and how.
+pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), String>> {
+    let stated: i64 = row.get(0)?;
+    let place = (row.get::<_, u8>(1)?, row.get::<_, u8>(2)?, row.get::<_, u32>(3)?, row.get::<_, u32>(4)?);
+    let Some(id) = Face::new(place.0).and_then(|face| PatchId::new(face, place.1, place.2, place.3)) else {
+        return Ok(Err(format!("a row names the patch {place:?}, which does not exist")));
+    };
+    let record = PatchRecord {
+        id,
+        bounds: LatticeBox {
+            low: IVec3::new(row.get(5)?, row.get(6)?, row.get(7)?),
+            high: IVec3::new(row.get(8)?, row.get(9)?, row.get(10)?),
+        },
+        heights: [row.get(11)?, row.get(12)?],
+        deviation: row.get(13)?,
+        odd_wake: row.get(14)?,
+        always_awake: row.get(15)?,
+        geometry_bytes: row.get(17)?,
+        texture_bytes: row.get(18)?,
+    };
+    let (found, expected) = (checksum(&record), row.get::<_, u32>(16)?);
+    if stated != key(id) || found != expected {
+        return Ok(Err(format!("the row of patch {id} has checksum {found:08x}, expected {expected:08x}")));
+    }
+    Ok(match measures_are_valid(record.bounds, record.heights, record.deviation, record.odd_wake) {
+        Ok(()) => Ok((record, found)),
+        Err(reason) => Err(format!("the row of patch {id}: {reason}")),
+    })
+}
