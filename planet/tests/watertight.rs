@@ -56,7 +56,7 @@ fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (Surface
     let mut violations = 0;
     for leaf in &cut.leaves {
         let (patch, rings) = &planet.patches[&leaf.id];
-        let level = patch.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
         let vertices = &patch.vertices[..level.vertices as usize];
         let sides = if forget_sides { 0 } else { u32::from(leaf.coarser_sides) };
         let awake = select(&view.gpu, vertices, sides);

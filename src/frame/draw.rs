@@ -15,14 +15,14 @@ use terrane_planet::layout::EmitState;
 const ARGUMENTS_OFFSET: u64 = std::mem::offset_of!(EmitState, index_count) as u64;
 
 /// The stage's pipelines.
-pub struct Draw {
+pub(super) struct Draw {
     fill: GraphicsPipeline,
     lines: GraphicsPipeline,
 }
 
 impl Draw {
     /// Builds the pipelines.
-    pub fn new(context: &Arc<Context>) -> Result<Draw> {
+    pub(super) fn new(context: &Arc<Context>) -> Result<Draw> {
         let formats = [SCENE_FORMAT];
         let mut description = GraphicsDescription::new(shaders::DRAW_VERT, Some(shaders::DRAW_FRAG), &formats);
         description.depth_format = Some(DEPTH_FORMAT);
@@ -38,7 +38,7 @@ impl Draw {
     }
 
     /// Records the stage; `lines` adds the mesh's edges.
-    pub fn record(
+    pub(super) fn record(
         &self,
         commands: &mut Commands,
         buffers: &FrameBuffers,

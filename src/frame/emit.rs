@@ -7,14 +7,14 @@ use crate::vulkan::{Access, Commands, ComputePipeline, Context, Resource, Result
 use std::sync::Arc;
 
 /// The stage's pipelines.
-pub struct Emit {
+pub(super) struct Emit {
     emit: ComputePipeline,
     arguments: ComputePipeline,
 }
 
 impl Emit {
     /// Builds the pipelines.
-    pub fn new(context: &Arc<Context>) -> Result<Emit> {
+    pub(super) fn new(context: &Arc<Context>) -> Result<Emit> {
         Ok(Emit {
             emit: ComputePipeline::new(context, &shaders::EMIT_COMP, &[])?,
             arguments: ComputePipeline::new(context, &shaders::ARGUMENTS_COMP, &[])?,
@@ -22,7 +22,7 @@ impl Emit {
     }
 
     /// Records the stage: reads `buffers.resolved`, fills `buffers.indices` and `buffers.state`.
-    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let (tasks, count) = buffers.tasks(2);
         commands.bind(
             &self.emit,

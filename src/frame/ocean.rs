@@ -7,13 +7,13 @@ use crate::vulkan::{Blend, ColorTarget, Commands, Context, GraphicsDescription, 
 use std::sync::Arc;
 
 /// The stage's pipeline.
-pub struct Ocean {
+pub(super) struct Ocean {
     pipeline: GraphicsPipeline,
 }
 
 impl Ocean {
     /// Builds the pipeline.
-    pub fn new(context: &Arc<Context>) -> Result<Ocean> {
+    pub(super) fn new(context: &Arc<Context>) -> Result<Ocean> {
         let formats = [SCENE_FORMAT];
         let mut description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::OCEAN_FRAG), &formats);
         description.blend = Blend::Premultiplied;
@@ -21,7 +21,7 @@ impl Ocean {
     }
 
     /// Records the stage: reads `targets.depth`, blends into `targets.ground`.
-    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: targets.ground.view(), clear: None }], None)?;
         commands.bind(
             &self.pipeline,

@@ -6,18 +6,18 @@ use crate::vulkan::{Commands, ComputePipeline, Context, Resource, Result};
 use std::sync::Arc;
 
 /// The stage's pipeline.
-pub struct Resolve {
+pub(super) struct Resolve {
     pipeline: ComputePipeline,
 }
 
 impl Resolve {
     /// Builds the pipeline.
-    pub fn new(context: &Arc<Context>) -> Result<Resolve> {
+    pub(super) fn new(context: &Arc<Context>) -> Result<Resolve> {
         Ok(Resolve { pipeline: ComputePipeline::new(context, &shaders::RESOLVE_COMP, &[])? })
     }
 
     /// Records the stage: reads `buffers.awake`, fills `buffers.resolved`.
-    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let (tasks, count) = buffers.tasks(1);
         commands.bind(
             &self.pipeline,

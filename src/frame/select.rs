@@ -10,19 +10,19 @@ use std::sync::Arc;
 const BALLOT_WIDTH: u32 = 32;
 
 /// The stage's pipeline.
-pub struct Select {
+pub(super) struct Select {
     pipeline: ComputePipeline,
 }
 
 impl Select {
     /// Builds the pipeline, in the variant that suits the device.
-    pub fn new(context: &Arc<Context>) -> Result<Select> {
+    pub(super) fn new(context: &Arc<Context>) -> Result<Select> {
         let ballot = u32::from(context.device_info().subgroup_size >= BALLOT_WIDTH);
         Ok(Select { pipeline: ComputePipeline::new(context, &shaders::SELECT_COMP, &[(0, ballot)])? })
     }
 
     /// Records the stage: fills `buffers.awake` and counts the awake vertices.
-    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let (tasks, count) = buffers.tasks(0);
         commands.bind(
             &self.pipeline,

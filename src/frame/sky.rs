@@ -7,20 +7,20 @@ use crate::vulkan::{ColorTarget, Commands, Context, GraphicsDescription, Graphic
 use std::sync::Arc;
 
 /// The stage's pipeline.
-pub struct Sky {
+pub(super) struct Sky {
     pipeline: GraphicsPipeline,
 }
 
 impl Sky {
     /// Builds the pipeline.
-    pub fn new(context: &Arc<Context>) -> Result<Sky> {
+    pub(super) fn new(context: &Arc<Context>) -> Result<Sky> {
         let formats = [SCENE_FORMAT];
         let description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::SKY_FRAG), &formats);
         Ok(Sky { pipeline: GraphicsPipeline::new(context, "sky", &description)? })
     }
 
     /// Records the stage: reads `targets.ground` and `targets.depth`, fills `targets.scene`.
-    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: Some([0.0; 4]) }], None)?;
         commands.bind(
             &self.pipeline,

@@ -7,20 +7,20 @@ use crate::vulkan::{vk, ColorTarget, Commands, Context, GraphicsDescription, Gra
 use std::sync::Arc;
 
 /// The stage's pipeline.
-pub struct Tonemap {
+pub(super) struct Tonemap {
     pipeline: GraphicsPipeline,
 }
 
 impl Tonemap {
     /// Builds the pipeline for pictures of a format (an UNORM one: the shader encodes sRGB itself).
-    pub fn new(context: &Arc<Context>, format: vk::Format) -> Result<Tonemap> {
+    pub(super) fn new(context: &Arc<Context>, format: vk::Format) -> Result<Tonemap> {
         let formats = [format];
         let description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::TONEMAP_FRAG), &formats);
         Ok(Tonemap { pipeline: GraphicsPipeline::new(context, "tonemap", &description)? })
     }
 
     /// Records the stage: reads `targets.scene`, fills `picture`.
-    pub fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, picture: &ImageView) -> Result<()> {
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, picture: &ImageView) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: picture, clear: Some([0.0; 4]) }], None)?;
         commands.bind(
             &self.pipeline,

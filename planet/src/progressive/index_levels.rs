@@ -67,10 +67,10 @@ impl IndexLevels {
         let count = (self.triangles.len() - first) as u32;
         self.levels.push(IndexLevel { vertices: vertices as u32, first: first as u32, count });
     }
+}
 
-    /// The coarsest level that holds the first `vertices` places of the wake order.
-    pub fn covering(&self, vertices: usize) -> IndexLevel {
-        let fits = |level: &&IndexLevel| level.vertices as usize >= vertices;
-        self.levels.iter().rev().find(fits).copied().unwrap_or(self.levels[0])
-    }
+/// The coarsest of a patch's levels (finest first, at least one) that holds the first `vertices` places of the wake order.
+pub fn covering(levels: &[IndexLevel], vertices: usize) -> IndexLevel {
+    let fits = |level: &&IndexLevel| level.vertices as usize >= vertices;
+    levels.iter().rev().find(fits).copied().unwrap_or(levels[0])
 }

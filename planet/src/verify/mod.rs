@@ -8,7 +8,7 @@ pub use surface_check::{SurfaceCheck, SurfaceReport};
 
 use crate::lattice::Lattice;
 use crate::layout::PatchVertex;
-use crate::progressive::{replay, IndexLevel, IndexLevels, PatchMesh};
+use crate::progressive::{covering, replay, IndexLevel, IndexLevels, PatchMesh};
 use crate::reference::resolve::bit;
 use crate::wake::Wake;
 
@@ -19,32 +19,43 @@ pub struct LoadedPatch {
     /// Its vertices as the GPU sees them.
     pub vertices: Vec<PatchVertex>,
     /// Its triangle lists.
-    pub levels: IndexLevels,
-    /// Larger wake of each vertex, falling.
-    pub wakes: Vec<Wake>,
+    pub lists: IndexLevels,
+    /// What decides which list a view needs.
+    pub reach: Reach,
 }
 
-impl LoadedPatch {
-    /// Prepares a patch for drawing.
-    pub fn new(mesh: PatchMesh, lattice: &Lattice) -> LoadedPatch {
-        let vertices = PatchVertex::of_patch(&mesh, lattice);
-        let levels = IndexLevels::new(&mesh);
-        let wakes = mesh.vertices.iter().map(|v| v.wake()).collect();
-        LoadedPatch { mesh, vertices, levels, wakes }
-    }
+/// How far the vertices of a patch can be awake, and the triangle list for every prefix of them.
+#[derive(Clone, Debug)]
+pub struct Reach {
+    /// Larger wake of each vertex, falling.
+    wakes: Vec<Wake>,
+    levels: Vec<IndexLevel>,
+}
 
+impl Reach {
     /// The coarsest triangle list that holds every vertex which can be awake for a viewer at least `distance` lattice units
     /// away (selection distance) at a view scale.
     pub fn level_for(&self, distance: f64, scale: f64) -> IndexLevel {
         // A little nearer than true, for the rounding of f32 selection.
         let reach = distance * (1.0 - 1e-5) / scale;
         let awake = self.wakes.partition_point(|w| w.distance() >= reach);
-        self.levels.covering(awake)
+        covering(&self.levels, awake)
+    }
+}
+
+impl LoadedPatch {
+    /// Prepares a patch for drawing.
+    pub fn new(mesh: PatchMesh, lattice: &Lattice) -> LoadedPatch {
+        let vertices = PatchVertex::of_patch(&mesh, lattice);
+        let lists = IndexLevels::new(&mesh);
+        let wakes = mesh.vertices.iter().map(|v| v.wake()).collect();
+        let reach = Reach { wakes, levels: lists.levels.clone() };
+        LoadedPatch { mesh, vertices, lists, reach }
     }
 
     /// Triangles of one of its lists.
     pub fn triangles(&self, level: IndexLevel) -> &[[u16; 3]] {
-        &self.levels.triangles[level.first as usize..(level.first + level.count) as usize]
+        &self.lists.triangles[level.first as usize..(level.first + level.count) as usize]
     }
 }
 

@@ -1,0 +1,130 @@
+//! A frame: the stages in order, each in a file of its own (DESIGN section 6).
+//!
+//! In: a scene, a cut and a view. Out: a picture in a colour target, counters, and GPU times by stage.
+
+mod buffers;
+mod draw;
+mod emit;
+mod ocean;
+mod resolve;
+mod select;
+mod shading;
+mod sky;
+mod tables;
+mod targets;
+mod tonemap;
+
+pub use buffers::{FrameBuffers, MAX_TRIANGLES};
+pub use shading::{shading, sun_over, Look, DAYLIGHT};
+pub use tables::FrameTables;
+pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
+
+use crate::scene::Scene;
+use crate::vulkan::{vk, Access, Commands, Context, ImageView, Result};
+use draw::Draw;
+use emit::Emit;
+use ocean::Ocean;
+use resolve::Resolve;
+use select::Select;
+use sky::Sky;
+use std::sync::Arc;
+use terrane_planet::layout::{EmitState, Mode};
+use terrane_planet::reference::cut::Cut;
+use terrane_planet::view::View;
+use tonemap::Tonemap;
+
+/// Names of the GPU zones of a frame, in order.
+pub const STAGES: [&str; 7] = ["select", "resolve", "emit", "draw", "ocean", "sky", "tonemap"];
+
+/// Pipelines, targets and buffers of all stages.
+pub struct Renderer {
+    select: Select,
+    resolve: Resolve,
+    emit: Emit,
+    draw: Draw,
+    ocean: Ocean,
+    sky: Sky,
+    tonemap: Tonemap,
+    context: Arc<Context>,
+    targets: Targets,
+    /// Buffers shared by the stages.
+    pub buffers: FrameBuffers,
+}
+
+impl Renderer {
+    /// Builds everything for pictures of a size and format.
+    pub fn new(context: &Arc<Context>, size: (u32, u32), format: vk::Format) -> Result<Renderer> {
+        Ok(Renderer {
+            select: Select::new(context)?,
+            resolve: Resolve::new(context)?,
+            emit: Emit::new(context)?,
+            draw: Draw::new(context)?,
+            ocean: Ocean::new(context)?,
+            sky: Sky::new(context)?,
+            tonemap: Tonemap::new(context, format)?,
+            context: context.clone(),
+            targets: Targets::new(context, size)?,
+            buffers: FrameBuffers::new(context)?,
+        })
+    }
+
+    /// Follows a change of picture size.
+    pub fn resize(&mut self, size: (u32, u32)) -> Result<()> {
+        if self.targets.size != size {
+            self.targets = Targets::new(&self.context, size)?;
+        }
+        Ok(())
+    }
+
+    /// Prepares the tables of the next frame and hands them to the GPU. `whole` draws patches out of sight too.
+    pub fn prepare(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look, whole: bool) -> Result<FrameTables> {
+        let tables = FrameTables::new(scene, view, cut, whole);
+        let shading = shading(&scene.planet().recipe, &view.camera, look);
+        self.buffers.write(&tables, &view.gpu, &shading)?;
+        Ok(tables)
+    }
+
+    /// Records the mesh stages of the prepared frame: which vertices are awake, what they are drawn as, which triangles.
+    pub fn record_mesh(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
+        for leaf in &tables.leaves {
+            if let Some(patch) = scene.resident(leaf.id) {
+                commands.keep(patch.buffer());
+            }
+        }
+        let between = (&[Access::ComputeWrite], &[Access::ComputeRead, Access::ComputeWrite]);
+        self.buffers.record_reset(commands)?;
+        commands.barrier(&[Access::TransferWrite], between.1)?;
+        commands.zone("select", |c| self.select.record(c, &self.buffers))?;
+        commands.barrier(between.0, between.1)?;
+        commands.zone("resolve", |c| self.resolve.record(c, &self.buffers))?;
+        commands.barrier(between.0, between.1)?;
+        commands.zone("emit", |c| self.emit.record(c, &self.buffers))?;
+        commands.barrier(&[Access::ComputeWrite], &[Access::IndirectRead, Access::IndexRead, Access::TransferRead])?;
+        self.buffers.record_readback(commands)
+    }
+
+    /// Records the picture stages into `picture`, which is left in the layout of [`Access::ColorTarget`].
+    pub fn record_picture(&self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
+        let (ground, depth, air) = (self.targets.ground.view(), self.targets.depth.view(), self.targets.scene.view());
+        let lit = matches!(look.mode, Mode::Shaded | Mode::Wire | Mode::Levels);
+        commands.transition(ground, Access::Undefined, Access::ColorTarget)?;
+        commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
+        commands.transition(air, Access::Undefined, Access::ColorTarget)?;
+        let lines = look.mode == Mode::Wire;
+        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), &self.targets, lines))?;
+        commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
+        if lit && scene.planet().recipe.sea.is_some() {
+            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
+            commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, &self.targets))?;
+        }
+        commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
+        commands.zone("sky", |c| self.sky.record(c, &self.buffers, &self.targets))?;
+        commands.transition(air, Access::ColorTarget, Access::Sampled)?;
+        commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, &self.targets, picture))
+    }
+
+    /// Counters of the latest frame; wait for it first.
+    pub fn counters(&self) -> Result<EmitState> {
+        self.buffers.counters()
+    }
+}

@@ -1,0 +1,73 @@
+//! Still pictures without a window.
+
+use crate::frame::{FrameTables, Look, Renderer};
+use crate::scene::{Scene, SceneError};
+use crate::vulkan::{capture, vk, Access, Commands, Context, Image, ImageDescription, Timestamps};
+use std::sync::Arc;
+use terrane_planet::layout::EmitState;
+use terrane_planet::reference::cut::Cut;
+use terrane_planet::view::View;
+
+/// Format of pictures: UNORM, encoded by the tonemap shader.
+pub const PICTURE_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
+
+/// Draws single frames into an image of its own.
+pub struct Headless {
+    context: Arc<Context>,
+    /// The stages.
+    pub renderer: Renderer,
+    picture: Image,
+    commands: Commands,
+}
+
+/// What one frame did.
+pub struct FrameReport {
+    /// GPU times by stage, and the wall time from submission to completion.
+    pub times: Timestamps,
+    /// Counters of emission.
+    pub counters: EmitState,
+    /// The tables the frame was drawn from.
+    pub tables: FrameTables,
+}
+
+impl Headless {
+    /// Pipelines and targets for pictures of a size.
+    pub fn new(context: &Arc<Context>, size: (u32, u32)) -> Result<Headless, SceneError> {
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        Ok(Headless {
+            context: context.clone(),
+            renderer: Renderer::new(context, size, PICTURE_FORMAT)?,
+            picture: Image::new(context, &ImageDescription::new("picture", size, PICTURE_FORMAT, usage))?,
+            commands: Commands::new(context, "frame")?,
+        })
+    }
+
+    /// Draws one frame and waits for it.
+    pub fn render(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<FrameReport, SceneError> {
+        let tables = self.renderer.prepare(scene, view, cut, look, false)?;
+        self.commands.begin()?;
+        self.renderer.record_mesh(&mut self.commands, scene, &tables)?;
+        self.commands.transition(self.picture.view(), Access::Undefined, Access::ColorTarget)?;
+        self.renderer.record_picture(&mut self.commands, scene, look, self.picture.view())?;
+        let times = self.commands.submit_and_wait()?;
+        let counters = self.renderer.counters()?;
+        if counters.wanted > counters.capacity {
+            tracing::warn!(wanted = counters.wanted, drawn = counters.capacity, "more triangles than the index buffer holds");
+        }
+        Ok(FrameReport { times, counters, tables })
+    }
+
+    /// Runs only the mesh stages of a frame over all patches of the cut, seen or not.
+    pub fn select_whole(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<FrameReport, SceneError> {
+        let tables = self.renderer.prepare(scene, view, cut, look, true)?;
+        self.commands.begin()?;
+        self.renderer.record_mesh(&mut self.commands, scene, &tables)?;
+        let times = self.commands.submit_and_wait()?;
+        Ok(FrameReport { times, counters: self.renderer.counters()?, tables })
+    }
+
+    /// The latest picture, four bytes a pixel, row by row.
+    pub fn pixels(&self) -> Result<Vec<u8>, SceneError> {
+        Ok(capture(&self.context, &self.picture, (0, 0), Access::ColorTarget)?.to_rgba8()?)
+    }
+}

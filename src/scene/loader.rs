@@ -1,0 +1,154 @@
+//! Background workers that read and decode patches, most urgent first. Requests that are no longer wanted are dropped.
+
+use super::textures::TextureMips;
+use super::SceneError;
+use std::collections::HashSet;
+use std::path::Path;
+use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
+use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::time::Duration;
+use terrane_planet::lattice::Lattice;
+use terrane_planet::patch::PatchId;
+use terrane_planet::store::{PlanetFile, StoreError};
+use terrane_planet::verify::LoadedPatch;
+
+/// Threads that read and decode.
+const WORKERS: usize = 2;
+
+/// A patch ready for upload.
+pub(super) struct Loaded {
+    pub(super) patch: LoadedPatch,
+    pub(super) texture: Option<TextureMips>,
+}
+
+type Arrival = (PatchId, Result<Loaded, StoreError>);
+
+#[derive(Default)]
+struct Queue {
+    /// Wanted patches, the most urgent last.
+    wanted: Vec<(PatchId, f64)>,
+    /// Taken by a worker, or arrived and not yet fetched.
+    under_way: HashSet<PatchId>,
+    closed: bool,
+}
+
+struct Shared {
+    queue: Mutex<Queue>,
+    changed: Condvar,
+}
+
+/// The workers and their queue.
+pub(super) struct Loader {
+    shared: Arc<Shared>,
+    arrivals: Receiver<Arrival>,
+    workers: Vec<std::thread::JoinHandle<()>>,
+}
+
+impl Loader {
+    /// Starts the workers, each with its own connection to the file.
+    pub(super) fn new(path: &Path, lattice: Lattice, textures: bool) -> Result<Loader, SceneError> {
+        let shared = Arc::new(Shared { queue: Mutex::default(), changed: Condvar::new() });
+        let (sender, arrivals) = channel();
+        let mut workers = Vec::new();
+        for _ in 0..WORKERS {
+            let worker = Worker { file: PlanetFile::open(path)?, lattice, textures, shared: shared.clone(), sender: sender.clone() };
+            workers.push(std::thread::spawn(move || worker.run()));
+        }
+        Ok(Loader { shared, arrivals, workers })
+    }
+
+    /// Replaces the wanted patches (id and urgency, smaller is more urgent).
+    pub(super) fn request(&self, mut wanted: Vec<(PatchId, f64)>) {
+        let mut queue = self.shared.lock();
+        wanted.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
+        wanted.dedup_by_key(|w| w.0);
+        wanted.retain(|w| !queue.under_way.contains(&w.0));
+        queue.wanted = wanted;
+        self.shared.changed.notify_all();
+    }
+
+    /// Up to `most` patches that have arrived, without waiting.
+    pub(super) fn take(&self, most: usize) -> Result<Vec<Loaded>, SceneError> {
+        self.arrivals.try_iter().take(most).map(|arrival| self.accept(arrival)).collect()
+    }
+
+    /// Waits until something arrives and returns all that has; nothing after `limit`, or if nothing is under way.
+    pub(super) fn wait(&self, limit: Duration) -> Result<Vec<Loaded>, SceneError> {
+        let idle = {
+            let queue = self.shared.lock();
+            queue.wanted.is_empty() && queue.under_way.is_empty()
+        };
+        if idle {
+            return Ok(Vec::new());
+        }
+        match self.arrivals.recv_timeout(limit) {
+            Ok(first) => {
+                let mut loaded = vec![self.accept(first)?];
+                loaded.extend(self.take(usize::MAX)?);
+                Ok(loaded)
+            }
+            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Ok(Vec::new()),
+        }
+    }
+
+    fn accept(&self, (id, result): Arrival) -> Result<Loaded, SceneError> {
+        self.shared.lock().under_way.remove(&id);
+        Ok(result?)
+    }
+}
+
+impl Drop for Loader {
+    fn drop(&mut self) {
+        self.shared.lock().closed = true;
+        self.shared.changed.notify_all();
+        for worker in self.workers.drain(..) {
+            // A worker that panicked has nothing left to clean up.
+            let _ = worker.join();
+        }
+    }
+}
+
+impl Shared {
+    fn lock(&self) -> std::sync::MutexGuard<'_, Queue> {
+        self.queue.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// The next patch to load; `None` when the loader is gone.
+    fn next(&self) -> Option<PatchId> {
+        let mut queue = self.lock();
+        loop {
+            if queue.closed {
+                return None;
+            }
+            if let Some((id, _)) = queue.wanted.pop() {
+                queue.under_way.insert(id);
+                return Some(id);
+            }
+            queue = self.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
+        }
+    }
+}
+
+struct Worker {
+    file: PlanetFile,
+    lattice: Lattice,
+    textures: bool,
+    shared: Arc<Shared>,
+    sender: Sender<Arrival>,
+}
+
+impl Worker {
+    fn run(self) {
+        while let Some(id) = self.shared.next() {
+            if self.sender.send((id, self.load(id))).is_err() {
+                return;
+            }
+        }
+    }
+
+    fn load(&self, id: PatchId) -> Result<Loaded, StoreError> {
+        let patch = LoadedPatch::new(self.file.mesh(id)?, &self.lattice);
+        let texture = if self.textures { Some(TextureMips::new(&self.file.texture(id)?, self.file.header().cells)) } else { None };
+        Ok(Loaded { patch, texture })
+    }
+}

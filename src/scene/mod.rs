@@ -1,0 +1,236 @@
+//! The scene: which patches of a planet are on the GPU. Nothing here blocks a frame: patches are read and decoded by
+//! background workers, uploaded under a budget, and a patch splits only when all four children are there.
+//!
+//! In: a planet file and a view. Out: the cut, and the resident patches that it draws.
+
+mod loader;
+mod resident;
+mod textures;
+
+pub use resident::ResidentPatch;
+pub use textures::TexturePool;
+
+use crate::vulkan::{Context, Upload, VulkanError};
+use loader::{Loaded, Loader};
+use std::collections::HashMap;
+use std::path::Path;
+use std::sync::Arc;
+use std::time::Duration;
+use terrane_planet::lattice::Lattice;
+use terrane_planet::patch::PatchId;
+use terrane_planet::planet::{Planet, PlanetError};
+use terrane_planet::reference::cut::{cut, Cut};
+use terrane_planet::store::{PatchRecord, PlanetFile, StoreError};
+use terrane_planet::tree::{PatchFacts, PatchTree};
+use terrane_planet::view::View;
+use thiserror::Error;
+
+/// Bytes staged at a time.
+const UPLOAD_CHUNK: u64 = 8 << 20;
+
+/// Why a scene cannot be opened or kept up to date.
+#[derive(Debug, Error)]
+pub enum SceneError {
+    /// The planet file.
+    #[error(transparent)]
+    Store(#[from] StoreError),
+    /// Its recipe.
+    #[error(transparent)]
+    Planet(#[from] PlanetError),
+    /// The GPU.
+    #[error(transparent)]
+    Vulkan(#[from] VulkanError),
+    /// A file without the six whole faces.
+    #[error("{file}: {missing} of the 6 whole-face patches are missing: the bake stopped early; run `terrane bake` again to finish it")]
+    NoRoots {
+        /// The file.
+        file: String,
+        /// How many are missing.
+        missing: usize,
+    },
+}
+
+/// What a scene may use.
+#[derive(Clone, Copy, Debug)]
+pub struct SceneOptions {
+    /// Most patches on the GPU at a time.
+    pub capacity: u32,
+    /// Whether to load textures (checks of the mesh do without).
+    pub textures: bool,
+}
+
+impl Default for SceneOptions {
+    fn default() -> Self {
+        SceneOptions { capacity: 768, textures: true }
+    }
+}
+
+/// A planet and its patches on the GPU.
+pub struct Scene {
+    context: Arc<Context>,
+    planet: Planet,
+    tree: PatchTree,
+    resident: HashMap<PatchId, ResidentPatch>,
+    textures: TexturePool,
+    loader: Loader,
+    capacity: usize,
+    frame: u64,
+    /// Whether a patch was turned away in the latest update because all resident ones are in use.
+    full: bool,
+}
+
+impl Scene {
+    /// Opens a planet file and loads the six whole faces.
+    pub fn open(context: &Arc<Context>, path: &Path, options: SceneOptions) -> Result<Scene, SceneError> {
+        let file = PlanetFile::open(path)?;
+        let planet = Planet::from_header(file.header())?;
+        let records = file.index()?;
+        let missing = PatchId::roots().filter(|root| !records.iter().any(|r| r.id == *root)).count();
+        if missing > 0 {
+            return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
+        }
+        let tree = PatchTree::new(planet.lattice, planet.cells, records.iter().map(facts));
+        let capacity = options.capacity.clamp(64, context.limits().max_image_array_layers).min(records.len() as u32);
+        let layers = if options.textures { capacity } else { 1 };
+        let textures = TexturePool::new(context, planet.cells, layers)?;
+        let loader = Loader::new(path, planet.lattice, options.textures)?;
+        let mut scene = Scene {
+            context: context.clone(),
+            planet,
+            tree,
+            resident: HashMap::new(),
+            textures,
+            loader,
+            capacity: capacity as usize,
+            frame: 0,
+            full: false,
+        };
+        scene.loader.request(PatchId::roots().map(|id| (id, 0.0)).collect());
+        while scene.resident.len() < 6 {
+            let arrived = scene.loader.wait(Duration::from_secs(60))?;
+            scene.upload(arrived)?;
+        }
+        Ok(scene)
+    }
+
+    /// The planet that the file was baked from.
+    pub fn planet(&self) -> &Planet {
+        &self.planet
+    }
+
+    /// Its lattice.
+    pub fn lattice(&self) -> &Lattice {
+        &self.planet.lattice
+    }
+
+    /// All stored patches.
+    pub fn tree(&self) -> &PatchTree {
+        &self.tree
+    }
+
+    /// A patch on the GPU.
+    pub fn resident(&self, id: PatchId) -> Option<&ResidentPatch> {
+        self.resident.get(&id)
+    }
+
+    /// Number of patches on the GPU.
+    pub fn resident_count(&self) -> usize {
+        self.resident.len()
+    }
+
+    /// Textures of the resident patches.
+    pub fn textures(&self) -> &TexturePool {
+        &self.textures
+    }
+
+    /// Computes the cut of a view from what is resident, asks for what it lacks, and takes in up to `uploads` patches that have
+    /// arrived.
+    pub fn update(&mut self, view: &View, uploads: usize) -> Result<Cut, SceneError> {
+        self.frame += 1;
+        self.full = false;
+        let arrived = self.loader.take(uploads)?;
+        self.upload(arrived)?;
+        let resident = &self.resident;
+        let cut = cut(&self.tree, view, &|id| resident.contains_key(&id));
+        self.mark_used(&cut);
+        self.request(&cut);
+        Ok(cut)
+    }
+
+    /// Updates until everything the view wants is resident (or nothing more fits), and returns the final cut.
+    pub fn settle(&mut self, view: &View) -> Result<Cut, SceneError> {
+        loop {
+            let cut = self.update(view, usize::MAX)?;
+            if cut.wanted.is_empty() {
+                return Ok(cut);
+            }
+            if self.full {
+                tracing::warn!(capacity = self.capacity, "the view wants more patches than fit: the picture is coarser");
+                return Ok(cut);
+            }
+            let arrived = self.loader.wait(Duration::from_secs(60))?;
+            self.upload(arrived)?;
+        }
+    }
+
+    fn mark_used(&mut self, cut: &Cut) {
+        for leaf in &cut.leaves {
+            let mut at = Some(leaf.id);
+            while let Some(id) = at {
+                match self.resident.get_mut(&id) {
+                    Some(patch) if patch.last_used != self.frame => patch.last_used = self.frame,
+                    _ => break,
+                }
+                at = id.parent();
+            }
+        }
+    }
+
+    fn request(&mut self, cut: &Cut) {
+        let children = |&(id, urgency): &(PatchId, f64)| id.children().into_iter().flatten().map(move |child| (child, urgency));
+        let missing = cut.wanted.iter().flat_map(children).filter(|(id, _)| !self.resident.contains_key(id)).collect();
+        self.loader.request(missing);
+    }
+
+    fn upload(&mut self, arrived: Vec<Loaded>) -> Result<(), SceneError> {
+        let mut upload = Upload::new(&self.context, UPLOAD_CHUNK);
+        for loaded in arrived {
+            if self.resident.contains_key(&loaded.patch.mesh.id) {
+                continue;
+            }
+            if self.resident.len() >= self.capacity && !self.evict() {
+                self.full = true;
+                continue;
+            }
+            let layer = loaded.texture.as_ref().and_then(|_| self.textures.claim());
+            if let (Some(layer), Some(mips)) = (layer, &loaded.texture) {
+                self.textures.upload(&mut upload, layer, mips)?;
+            }
+            let patch = ResidentPatch::new(&self.context, &mut upload, &loaded.patch, layer, self.frame)?;
+            self.resident.insert(loaded.patch.mesh.id, patch);
+        }
+        Ok(upload.finish()?)
+    }
+
+    /// Frees the least recently used patch that no resident child stands on and the latest frame did not use.
+    fn evict(&mut self) -> bool {
+        let has_children = |id: PatchId| id.children().into_iter().flatten().any(|c| self.resident.contains_key(&c));
+        let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame && !has_children(**id));
+        let Some(oldest) = idle.min_by_key(|(id, p)| (p.last_used, **id)).map(|(id, _)| *id) else { return false };
+        if let Some(layer) = self.resident.remove(&oldest).and_then(|p| p.layer) {
+            self.textures.release(layer);
+        }
+        true
+    }
+}
+
+/// The facts of a stored patch that the cut needs.
+pub fn facts(record: &PatchRecord) -> PatchFacts {
+    PatchFacts {
+        id: record.id,
+        bounds: record.bounds,
+        heights: record.heights,
+        deviation: record.deviation,
+        odd_wake: record.odd_wake,
+    }
+}

@@ -1,0 +1,126 @@
+//! Slope and albedo textures of all resident patches: two array images, one layer a patch.
+
+use crate::vulkan::{vk, Access, Commands, Context, Image, ImageDescription, Result, Sampler, SamplerDescription, Upload};
+use std::sync::Arc;
+use terrane_planet::texture::{decode_slope, texture_side, PatchTexture, MIP_LEVELS};
+
+/// Slopes: half floats, since 16-bit normalised formats need not be filterable.
+const SLOPE_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
+/// Albedo, decoded from sRGB by the sampler.
+const ALBEDO_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
+
+/// The texture arrays and their free layers.
+pub struct TexturePool {
+    /// Slopes along the patch's two tangents.
+    pub slopes: Image,
+    /// Albedo.
+    pub albedo: Image,
+    /// Trilinear, clamped, anisotropic where the device can.
+    pub sampler: Sampler,
+    free: Vec<u32>,
+}
+
+impl TexturePool {
+    /// Arrays of `layers` layers for patches of `cells` cells a side.
+    pub(super) fn new(context: &Arc<Context>, cells: u32, layers: u32) -> Result<TexturePool> {
+        let side = texture_side(cells);
+        let array = |name, format| {
+            let usage = vk::ImageUsageFlags::SAMPLED;
+            let description =
+                ImageDescription { layers, array: true, mips: MIP_LEVELS, ..ImageDescription::new(name, (side, side), format, usage) };
+            Image::new(context, &description)
+        };
+        let (slopes, albedo) = (array("slopes", SLOPE_FORMAT)?, array("albedo", ALBEDO_FORMAT)?);
+        Commands::once(context, "texture layouts", |commands| {
+            commands.transition(slopes.view(), Access::Undefined, Access::Sampled)?;
+            commands.transition(albedo.view(), Access::Undefined, Access::Sampled)
+        })?;
+        let sampler = Sampler::new(context, "ground", &SamplerDescription { anisotropy: 4.0, ..SamplerDescription::default() })?;
+        Ok(TexturePool { slopes, albedo, sampler, free: (0..layers).rev().collect() })
+    }
+
+    pub(super) fn claim(&mut self) -> Option<u32> {
+        self.free.pop()
+    }
+
+    pub(super) fn release(&mut self, layer: u32) {
+        self.free.push(layer);
+    }
+
+    pub(super) fn upload(&self, upload: &mut Upload, layer: u32, mips: &TextureMips) -> Result<()> {
+        for (mip, level) in mips.levels.iter().enumerate() {
+            upload.image(&self.slopes, layer, mip as u32, &level.slopes)?;
+            upload.image(&self.albedo, layer, mip as u32, &level.albedo)?;
+        }
+        Ok(())
+    }
+}
+
+/// The textures of a patch with their mip levels, in the formats of the arrays.
+pub(super) struct TextureMips {
+    levels: Vec<MipLevel>,
+}
+
+struct MipLevel {
+    slopes: Vec<[u16; 2]>,
+    albedo: Vec<[u8; 4]>,
+}
+
+/// A level before it is encoded: linear values.
+struct LinearLevel {
+    side: usize,
+    texels: Vec<[f32; 5]>,
+}
+
+impl TextureMips {
+    /// Filters a stored texture down (2 × 2 box; gutters halve with the texels, so patches still meet).
+    pub(super) fn new(texture: &PatchTexture, cells: u32) -> TextureMips {
+        let to_linear: Vec<f32> = (0..=255u8).map(decode_srgb).collect();
+        let texel = |(slope, albedo): (&[i8; 2], &[u8; 3])| {
+            let [x, y] = slope.map(|s| decode_slope(s) as f32);
+            let [r, g, b] = albedo.map(|c| to_linear[usize::from(c)]);
+            [x, y, r, g, b]
+        };
+        let texels = texture.slopes.iter().zip(&texture.albedo).map(texel).collect();
+        let mut level = LinearLevel { side: texture_side(cells) as usize, texels };
+        let slopes = level.half_slopes();
+        let albedo = texture.albedo.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
+        let mut levels = vec![MipLevel { slopes, albedo }];
+        while levels.len() < MIP_LEVELS as usize {
+            level = level.halved();
+            levels.push(MipLevel { slopes: level.half_slopes(), albedo: level.encoded_albedo() });
+        }
+        TextureMips { levels }
+    }
+}
+
+impl LinearLevel {
+    fn halved(&self) -> LinearLevel {
+        let side = self.side / 2;
+        let at = |x: usize, y: usize| self.texels[y * self.side + x];
+        let mean = |k: usize| {
+            let (x, y) = (2 * (k % side), 2 * (k / side));
+            let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
+            std::array::from_fn(|i| 0.25 * (a[i] + b[i] + c[i] + d[i]))
+        };
+        LinearLevel { side, texels: (0..side * side).map(mean).collect() }
+    }
+
+    fn half_slopes(&self) -> Vec<[u16; 2]> {
+        self.texels.iter().map(|t| [t[0], t[1]].map(|s| half::f16::from_f32(s).to_bits())).collect()
+    }
+
+    fn encoded_albedo(&self) -> Vec<[u8; 4]> {
+        self.texels.iter().map(|t| [encode_srgb(t[2]), encode_srgb(t[3]), encode_srgb(t[4]), 255]).collect()
+    }
+}
+
+fn decode_srgb(code: u8) -> f32 {
+    let x = f32::from(code) / 255.0;
+    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+}
+
+fn encode_srgb(x: f32) -> u8 {
+    let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
+    (encoded * 255.0 + 0.5) as u8
+}
