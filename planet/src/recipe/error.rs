@@ -1,14 +1,14 @@
 //! What can be wrong with a recipe: every message names the file, the line, the key path, what was found there and what
 //! was expected.
 
-/// Why a recipe was refused.
+/// Why a recipe was refused. Boxed text keeps the error small beside the values it stands in for.
 #[derive(Debug, thiserror::Error)]
 pub enum RecipeError {
     /// The recipe file itself could not be read.
     #[error("{file}: cannot read the recipe: {source}")]
     Read {
         /// The recipe's path.
-        file: String,
+        file: Box<str>,
         /// What the system said.
         source: std::io::Error,
     },
@@ -16,52 +16,52 @@ pub enum RecipeError {
     #[error("{file}:{line}: not valid TOML: {message}")]
     Syntax {
         /// The recipe's name.
-        file: String,
+        file: Box<str>,
         /// Line of the fault, from 1.
         line: usize,
         /// What the TOML parser said.
-        message: String,
+        message: Box<str>,
     },
     /// A key is missing, has the wrong type or is out of range.
     #[error("{file}:{line}: `{path}`: found {found}, expected {expected}")]
     Value {
         /// The recipe's name.
-        file: String,
+        file: Box<str>,
         /// Line of the value (of the table, for a missing key), from 1.
         line: usize,
         /// Dotted key path, such as `layer[2].amplitude_m`.
-        path: String,
+        path: Box<str>,
         /// What the file says.
-        found: String,
+        found: Box<str>,
         /// What it may say.
-        expected: String,
+        expected: Box<str>,
     },
     /// A key that no reader asked for.
     #[error("{file}:{line}: `{path}`: found an unknown key, expected one of: {expected}")]
     UnknownKey {
         /// The recipe's name.
-        file: String,
+        file: Box<str>,
         /// Line of the key, from 1.
         line: usize,
         /// Dotted key path.
-        path: String,
+        path: Box<str>,
         /// The keys known there, comma separated.
-        expected: String,
+        expected: Box<str>,
     },
     /// A heightmap is missing, damaged or of the wrong kind.
     #[error("{file}:{line}: `{path}`: heightmap {image}: found {found}, expected {expected}")]
     Heightmap {
         /// The recipe's name.
-        file: String,
+        file: Box<str>,
         /// Line of the key that names the image, from 1.
         line: usize,
         /// Dotted key path.
-        path: String,
+        path: Box<str>,
         /// The image's name, relative to the recipe.
-        image: String,
+        image: Box<str>,
         /// What the image is.
-        found: String,
+        found: Box<str>,
         /// What it should be.
-        expected: String,
+        expected: Box<str>,
     },
 }

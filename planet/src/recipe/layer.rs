@@ -96,6 +96,8 @@ pub struct Craters {
     pub reach: f64,
     /// Brightness of rays in the albedo (0 to 1; default 0).
     pub rays: f64,
+    /// Whether the craters are part of the base elevation, as basins are (default false).
+    pub basins: bool,
     /// Base elevations over which craters fade in, in metres.
     pub above_m: [f64; 2],
     /// Share of the relief that is left below `above_m` (0 to 1; default 0).
@@ -176,7 +178,11 @@ impl Octaves {
     fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
         let wavelength_m = reader.number("wavelength_m", WAVELENGTH)?;
         let detail_m = reader.number_or("detail_m", *WAVELENGTH.start()..=wavelength_m, wavelength_m.min(1.0))?;
-        Ok(Self { wavelength_m, detail_m, gain: reader.number("gain", 0.2..=0.8)? })
+        Ok(Self {
+            wavelength_m,
+            detail_m,
+            gain: reader.number("gain", 0.2..=0.8)?,
+        })
     }
 }
 
@@ -228,7 +234,10 @@ impl Hills {
 
 impl Plains {
     fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
-        Ok(Self { octaves: Octaves::read(reader)?, amplitude_m: reader.number("amplitude_m", METRES)? })
+        Ok(Self {
+            octaves: Octaves::read(reader)?,
+            amplitude_m: reader.number("amplitude_m", METRES)?,
+        })
     }
 }
 
@@ -246,6 +255,7 @@ impl Craters {
             complex_m: reader.number_or("complex_m", 1.0..=1e8, 1e8)?,
             reach,
             rays: reader.number_or("rays", UNIT, 0.0)?,
+            basins: reader.flag("basins")?,
             above_m: read_above(reader)?,
             below: reader.number_or("below", UNIT, 0.0)?,
         })
@@ -269,6 +279,12 @@ impl Heightmap {
             Placement::Planet
         };
         let origin = (reader.line_of("file"), reader.path_of("file"));
-        Ok(Self { file, low_m, high_m, placement, origin })
+        Ok(Self {
+            file,
+            low_m,
+            high_m,
+            placement,
+            origin,
+        })
     }
 }

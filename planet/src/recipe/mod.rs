@@ -80,7 +80,10 @@ impl Recipe {
     /// If the file cannot be read, or as [`Recipe::from_toml`].
     pub fn load(path: &Path) -> Result<Self, RecipeError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| RecipeError::Read { file: file.clone(), source })?;
+        let text = std::fs::read_to_string(path).map_err(|source| RecipeError::Read {
+            file: file.as_str().into(),
+            source,
+        })?;
         Self::from_toml(&text, &file, path.parent().unwrap_or(Path::new("")))
     }
 
@@ -121,9 +124,9 @@ impl Recipe {
     fn parse(text: &str, file: &str) -> Result<Self, RecipeError> {
         let source = Source { file, text };
         let document = toml::de::DeTable::parse(text).map_err(|e| RecipeError::Syntax {
-            file: file.to_owned(),
+            file: file.into(),
             line: source.line(e.span().map_or(0, |s| s.start)),
-            message: e.message().to_owned(),
+            message: e.message().into(),
         })?;
         let reader = Reader::new(&source, document.get_ref());
         let radius = reader.number("radius_m", 1e3..=1e8)?;
@@ -131,28 +134,51 @@ impl Recipe {
         let seed = reader.whole("seed")?;
         let sea = reader.table("sea")?.map(|r| Sea::read(&r)).transpose()?;
         let atmosphere = reader.table("atmosphere")?.map(|r| Atmosphere::read(&r)).transpose()?;
-        let layers = reader.tables("layer")?.iter().map(|r| Layer::read(r, radius)).collect::<Result<_, _>>()?;
-        let palette = reader.table("palette")?.ok_or_else(|| reader.wrong("palette", 1, "nothing", "a table"))?;
+        let layers = reader
+            .tables("layer")?
+            .iter()
+            .map(|r| Layer::read(r, radius))
+            .collect::<Result<_, _>>()?;
+        let palette = reader
+            .table("palette")?
+            .ok_or_else(|| reader.wrong("palette", 1, "nothing", "a table"))?;
         let palette = Palette::read(&palette)?;
         reader.finish()?;
         let (text, file) = (text.to_owned(), file.to_owned());
-        Ok(Self { name, radius, seed, sea, atmosphere, layers, palette, text, assets: Vec::new(), file })
+        Ok(Self {
+            name,
+            radius,
+            seed,
+            sea,
+            atmosphere,
+            layers,
+            palette,
+            text,
+            assets: Vec::new(),
+            file,
+        })
     }
 
     fn heightmaps(&self) -> Vec<Heightmap> {
-        let maps = self.layers.iter().filter_map(|l| if let Layer::Heightmap(m) = l { Some(m.clone()) } else { None });
+        let maps = self.layers.iter().filter_map(|l| {
+            if let Layer::Heightmap(m) = l {
+                Some(m.clone())
+            } else {
+                None
+            }
+        });
         maps.collect()
     }
 
     /// An error about a heightmap's image, at the line of its `file` key.
     pub(crate) fn heightmap_error(&self, map: &Heightmap, found: String, expected: &str) -> RecipeError {
         RecipeError::Heightmap {
-            file: self.file.clone(),
+            file: self.file.as_str().into(),
             line: map.origin.0,
-            path: map.origin.1.clone(),
-            image: map.file.clone(),
-            found,
-            expected: expected.to_owned(),
+            path: map.origin.1.as_str().into(),
+            image: map.file.as_str().into(),
+            found: found.into(),
+            expected: expected.into(),
         }
     }
 }

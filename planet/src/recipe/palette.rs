@@ -67,7 +67,7 @@ pub struct Airless {
 #[derive(Clone, Debug)]
 pub enum Palette {
     /// A world with climate.
-    Living(Living),
+    Living(Box<Living>),
     /// A world without air.
     Airless(Airless),
 }
@@ -77,7 +77,7 @@ impl Palette {
         let kinds = "a palette kind: living, airless";
         let kind = reader.string("kind", kinds)?;
         let palette = match kind.as_str() {
-            "living" => Self::Living(Living::read(reader)?),
+            "living" => Self::Living(Box::new(Living::read(reader)?)),
             "airless" => Self::Airless(Airless::read(reader)?),
             other => return Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
         };

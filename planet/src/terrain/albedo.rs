@@ -5,7 +5,7 @@ use super::angles::sin_cos;
 use super::noise::{mix, Lane, Points, LANES};
 use super::octaves::{smoothstep, Fractal};
 use super::{GroundPoint, Terrain};
-use crate::recipe::{Airless, Colour, Living, Palette};
+use crate::recipe::{Airless, Colour, Living, Octaves, Palette};
 
 /// Noise at the scales on which ground varies.
 pub(crate) struct Tints {
@@ -29,9 +29,23 @@ impl Tints {
         };
         Self {
             climate: Fractal::few(mix(seed ^ 11), climate_m, 6),
-            patch: Fractal::few(mix(seed ^ 12), patch_m, 7),
+            patch: Fractal::new(
+                mix(seed ^ 12),
+                &Octaves {
+                    wavelength_m: patch_m,
+                    detail_m: 900.0_f64.min(patch_m),
+                    gain: 0.68,
+                },
+            ),
             thicket: Fractal::few(mix(seed ^ 13), 700.0, 5),
-            tuft: Fractal::few(mix(seed ^ 14), 22.0, 5),
+            tuft: Fractal::new(
+                mix(seed ^ 14),
+                &Octaves {
+                    wavelength_m: 22.0,
+                    detail_m: 0.7,
+                    gain: 0.64,
+                },
+            ),
             polar_sine: sin_cos(polar_deg).0,
         }
     }
@@ -46,7 +60,11 @@ struct Noises {
 }
 
 fn mixed(a: Colour, b: Colour, t: f64) -> Colour {
-    [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t]
+    [
+        a[0] + (b[0] - a[0]) * t,
+        a[1] + (b[1] - a[1]) * t,
+        a[2] + (b[2] - a[2]) * t,
+    ]
 }
 
 fn encode(colour: Colour, light: f64) -> [u8; 3] {
@@ -62,7 +80,12 @@ impl Terrain {
         assert_eq!(points.len(), albedo.len(), "one colour for each point");
         for (points, albedo) in points.chunks(LANES).zip(albedo.chunks_mut(LANES)) {
             let p = self.points(points.iter().map(|g| g.direction));
-            let mut noises = Noises { climate: [0.0; LANES], patch: [0.0; LANES], thicket: [0.0; LANES], tuft: [0.0; LANES] };
+            let mut noises = Noises {
+                climate: [0.0; LANES],
+                patch: [0.0; LANES],
+                thicket: [0.0; LANES],
+                tuft: [0.0; LANES],
+            };
             self.tints.climate.brownian(&p, &mut noises.climate);
             self.tints.patch.brownian(&p, &mut noises.patch);
             self.tints.thicket.brownian(&p, &mut noises.thicket);
@@ -79,7 +102,7 @@ impl Terrain {
         for (i, (point, out)) in points.iter().zip(albedo).enumerate() {
             let (patch, thicket, tuft) = (noises.patch[i], noises.thicket[i], noises.tuft[i]);
             let above = point.height - sea;
-            let light = 1.0 + 0.06 * patch + 0.07 * thicket + 0.09 * tuft;
+            let light = 1.0 + 0.06 * patch + 0.08 * thicket + 0.13 * tuft;
             *out = if above < 0.0 {
                 encode(sea_floor(palette, above, patch), light)
             } else {
@@ -104,7 +127,7 @@ impl Terrain {
         }
         for (i, (point, out)) in points.iter().zip(albedo).enumerate() {
             let (patch, thicket, tuft) = (noises.patch[i], noises.thicket[i], noises.tuft[i]);
-            let old = smoothstep(palette.mare_m, base[i] + 500.0 * patch);
+            let old = smoothstep(palette.mare_m, base[i] + 200.0 * patch);
             let ground = mixed(palette.mare, palette.highland, old);
             // Steep ground sheds its dark, weathered skin.
             let fresh = rays[i].min(1.0).max(0.35 * smoothstep([0.35, 0.9], point.slope));
@@ -117,7 +140,11 @@ impl Terrain {
 fn sea_floor(palette: &Living, above: f64, patch: f64) -> Colour {
     let depth = -above * (1.0 + 0.2 * patch);
     let deep = depth / (depth + 250.0);
-    mixed(mixed(palette.beach, palette.shelf, (depth / 12.0).clamp(0.0, 1.0)), palette.abyss, deep)
+    mixed(
+        mixed(palette.beach, palette.shelf, (depth / 12.0).clamp(0.0, 1.0)),
+        palette.abyss,
+        deep,
+    )
 }
 
 /// What decides the colour of dry land, each from 0 to 1 unless noted.
@@ -143,7 +170,7 @@ impl Ground {
         let line = palette.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 250.0 * patch + 60.0 * thicket;
         let height = point.height + 12.0 * tuft;
         let trees = line - palette.tree_drop_m;
-        let woods = 0.25 - 1.1 * dry + 0.9 * patch + 0.45 * thicket + 0.25 * tuft;
+        let woods = 0.3 - 1.3 * dry + 0.75 * patch + 0.3 * thicket + 0.2 * tuft + 0.8 * (point.slope - 0.1).min(0.4);
         let steep = point.slope * (1.0 + 0.25 * thicket + 0.3 * tuft);
         let hold = 1.0 - smoothstep([palette.rock_slope[1], palette.rock_slope[1] * 1.8], steep);
         Self {
@@ -158,16 +185,36 @@ impl Ground {
     }
 
     fn colour(&self, palette: &Living, above: f64) -> Colour {
-        let [_, patch, thicket, tuft] = self.noises;
+        let [climate, patch, thicket, tuft] = self.noises;
         let grass = mixed(palette.dry, palette.lush, self.wet);
         let meadow = mixed(grass, palette.forest, self.wooded * 0.9);
-        let sand = mixed(palette.desert, palette.badland, smoothstep([-0.3, 0.5], patch + 0.3 * thicket));
-        let soil = mixed(mixed(meadow, sand, self.arid), palette.tundra, self.alpine * (1.0 - 0.5 * self.arid));
-        let shore = 1.0 - smoothstep([0.4, 1.0], above / palette.beach_m.max(1e-3) + 0.25 * thicket + 0.1 * tuft);
+        // Clearings, worn ground and dead grass, from hundreds of metres down to tufts.
+        let meadow = mixed(
+            meadow,
+            palette.dry,
+            0.4 * smoothstep([0.1, 0.8], 0.6 * thicket + 0.7 * tuft),
+        );
+        let sand = mixed(
+            palette.desert,
+            palette.badland,
+            0.75 * smoothstep([-0.7, 1.0], 0.5 * patch + 0.7 * climate + 0.25 * thicket),
+        );
+        let soil = mixed(
+            mixed(meadow, sand, self.arid),
+            palette.tundra,
+            self.alpine * (1.0 - 0.5 * self.arid),
+        );
+        let shore = 1.0
+            - smoothstep(
+                [0.4, 1.0],
+                above / palette.beach_m.max(1e-3) + 0.25 * thicket + 0.1 * tuft,
+            );
         let soil = mixed(soil, palette.beach, shore);
         let rock = mixed(palette.rock, palette.badland, 0.55 * self.arid + 0.1);
         // High ground wears thin even where it is level.
-        let bare = self.rocky.max(self.alpine * smoothstep([0.0, 0.7], thicket + 0.6 * patch) * 0.6);
+        let bare = self
+            .rocky
+            .max(self.alpine * smoothstep([0.0, 0.7], thicket + 0.6 * patch) * 0.6);
         mixed(mixed(soil, rock, bare), palette.snow, self.snow)
     }
 }

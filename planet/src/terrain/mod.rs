@@ -51,7 +51,12 @@ impl Terrain {
     /// If a heightmap is missing among the recipe's assets, damaged, or of the wrong depth, colour type or size.
     pub fn new(recipe: &Recipe) -> Result<Self, RecipeError> {
         let step = |(i, layer): (usize, &Layer)| Step::new(recipe, mix(recipe.seed ^ mix(i as u64 + 1)), layer);
-        let steps = recipe.layers.iter().enumerate().map(step).collect::<Result<Vec<_>, _>>()?;
+        let steps = recipe
+            .layers
+            .iter()
+            .enumerate()
+            .map(step)
+            .collect::<Result<Vec<_>, _>>()?;
         let mut terrain = Self {
             radius: recipe.radius,
             steps,
@@ -95,7 +100,12 @@ impl Terrain {
     }
 
     fn points(&self, directions: impl Iterator<Item = DVec3>) -> Points {
-        let mut p = Points { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES], count: 0 };
+        let mut p = Points {
+            x: [0.0; LANES],
+            y: [0.0; LANES],
+            z: [0.0; LANES],
+            count: 0,
+        };
         for (i, d) in directions.take(LANES).enumerate() {
             (p.x[i], p.y[i], p.z[i]) = (d.x * self.radius, d.y * self.radius, d.z * self.radius);
             p.count = i + 1;
@@ -103,7 +113,7 @@ impl Terrain {
         p
     }
 
-    /// Base elevation alone: continents and heightmaps.
+    /// Base elevation alone: continents, basins and heightmaps.
     fn base(&self, p: &Points, base: &mut Lane) {
         self.compose(p, base, None);
     }
@@ -118,10 +128,12 @@ impl Terrain {
                 Step::Continents(layer) => {
                     let mut own = [0.0; LANES];
                     layer.add(p, &mut own);
-                    for i in 0..p.count.min(LANES) {
-                        base[i] += own[i];
-                        sum[i] += own[i];
-                    }
+                    add_to_both(p.count, &own, base, &mut sum);
+                }
+                Step::Craters(layer) if layer.basins() => {
+                    let mut own = [0.0; LANES];
+                    layer.add(p, base, &mut own);
+                    add_to_both(p.count, &own, base, &mut sum);
                 }
                 Step::Heightmap(layer) => self.replace(layer, p, base, &mut sum),
                 _ if height.is_none() => {}
@@ -148,12 +160,16 @@ impl Terrain {
     }
 
     fn craters(&self) -> impl Iterator<Item = &Craters> {
-        self.steps.iter().filter_map(|s| if let Step::Craters(c) = s { Some(c) } else { None })
+        self.steps
+            .iter()
+            .filter_map(|s| if let Step::Craters(c) = s { Some(c) } else { None })
     }
 
     /// Flattens the ground about sea level into beaches and shelves; monotone, and far from the sea nothing changes.
     fn shore(&self, height: f64) -> f64 {
-        let Some(level) = self.sea_level.filter(|_| self.beach_m > 0.0) else { return height };
+        let Some(level) = self.sea_level.filter(|_| self.beach_m > 0.0) else {
+            return height;
+        };
         let (h, w2) = (height - level, self.beach_m * self.beach_m);
         level + h * (h * h + BEACH_SLOPE * w2) / (h * h + w2)
     }
@@ -171,6 +187,13 @@ impl Terrain {
         }
         // Half a metre for rounding in the sums.
         (self.shore(low) - 0.5, self.shore(high) + 0.5)
+    }
+}
+
+fn add_to_both(count: usize, own: &Lane, base: &mut Lane, sum: &mut Lane) {
+    for ((own, base), sum) in own[..count].iter().zip(base).zip(sum) {
+        *base += own;
+        *sum += own;
     }
 }
 

@@ -54,7 +54,11 @@ impl Continents {
 
     pub(crate) fn range(&self) -> (f64, f64) {
         let (low, high) = self.profile.range();
-        let crest = if low < RIDGE_FADE_M[1] { RIDGE_FADE_M[1] + self.ridge_m } else { high };
+        let crest = if low < RIDGE_FADE_M[1] {
+            RIDGE_FADE_M[1] + self.ridge_m
+        } else {
+            high
+        };
         (low, high.max(crest.min(high + self.ridge_m)))
     }
 }
@@ -67,6 +71,8 @@ pub(crate) struct Mountains {
     fractal: Fractal,
     warp: Option<Warp>,
     ranges: Fractal,
+    /// How high each stretch of a range stands; breaks closed lines into separate ranges.
+    vigour: Fractal,
     recipe: recipe::Mountains,
 }
 
@@ -75,7 +81,8 @@ impl Mountains {
         Self {
             fractal: Fractal::new(seed, &recipe.octaves),
             warp: Warp::new(mix(seed ^ 1), recipe.octaves.wavelength_m, recipe.warp_m, 2),
-            ranges: Fractal::few(mix(seed ^ 2), recipe.range_m, 4),
+            ranges: Fractal::few(mix(seed ^ 2), recipe.range_m, 5),
+            vigour: Fractal::few(mix(seed ^ 3), recipe.range_m * 0.6, 2),
             recipe: recipe.clone(),
         }
     }
@@ -87,8 +94,11 @@ impl Mountains {
         }
         let mut range = [0.0; LANES];
         self.ranges.brownian(p, &mut range);
-        for (m, &r) in mask[..p.count].iter_mut().zip(&range) {
-            *m *= smoothstep([0.0, 1.0], 1.0 - r.abs() / self.recipe.range_width);
+        let mut vigour = [0.0; LANES];
+        self.vigour.brownian(p, &mut vigour);
+        for ((m, &r), &v) in mask[..p.count].iter_mut().zip(&range).zip(&vigour) {
+            let width = self.recipe.range_width * (0.7 + 1.2 * v).clamp(0.0, 1.0) + 1e-9;
+            *m *= smoothstep([0.0, 1.0], 1.0 - r.abs() / width) * (0.55 + 0.9 * v).clamp(0.0, 1.0);
         }
         if mask[..p.count].iter().all(|&m| m <= 0.0) {
             return;
@@ -107,7 +117,7 @@ impl Mountains {
 }
 
 /// Share of a range's height that is a smooth swell under the ridges.
-const UPLIFT: f64 = 0.15;
+const UPLIFT: f64 = 0.12;
 
 /// Hills, or mounds and gullies.
 pub(crate) struct Hills {
@@ -121,7 +131,11 @@ pub(crate) struct Hills {
 impl Hills {
     pub(crate) fn new(seed: u64, recipe: &recipe::Hills) -> Self {
         let middle = 0.7 - 1.4 * recipe.cover;
-        let edges = if recipe.cover >= 1.0 { [-9.0, -8.0] } else { [middle - 0.2, middle + 0.2] };
+        let edges = if recipe.cover >= 1.0 {
+            [-9.0, -8.0]
+        } else {
+            [middle - 0.2, middle + 0.2]
+        };
         Self {
             fractal: Fractal::new(seed, &recipe.octaves),
             regions: Fractal::few(mix(seed ^ 1), recipe.region_m, 3),
@@ -145,7 +159,8 @@ impl Hills {
         }
         let round = self.recipe.roundness;
         let plain = 1.0 - round.abs();
-        self.fractal.sum(p, &mut value, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);
+        self.fractal
+            .sum(p, &mut value, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);
         for i in 0..p.count.min(LANES) {
             out[i] += self.recipe.amplitude_m * mask[i] * value[i];
         }
@@ -165,7 +180,10 @@ pub(crate) struct Plains {
 
 impl Plains {
     pub(crate) fn new(seed: u64, recipe: &recipe::Plains) -> Self {
-        Self { fractal: Fractal::new(seed, &recipe.octaves), amplitude_m: recipe.amplitude_m }
+        Self {
+            fractal: Fractal::new(seed, &recipe.octaves),
+            amplitude_m: recipe.amplitude_m,
+        }
     }
 
     pub(crate) fn add(&self, p: &Points, out: &mut Lane) {

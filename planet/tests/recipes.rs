@@ -1,0 +1,173 @@
+//! Recipes: the shipped ones parse, and each kind of mistake is refused with file, line, key path, found and expected.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use std::path::{Path, PathBuf};
+use terrane_planet::recipe::{Asset, Layer, Recipe, RecipeError};
+
+const HEAD: &str = "name = \"T\"\nradius_m = 10000.0\nseed = 1\n";
+const PALETTE: &str = "[palette]\nkind = \"airless\"\nhighland = [1, 2, 3]\nmare = [1, 2, 3]\nray = [1, 2, 3]\n\
+                       mare_m = [0, 1]\npatch_m = 500\n";
+
+fn shipped(name: &str) -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes").join(name)
+}
+
+fn parse(text: &str) -> Result<Recipe, RecipeError> {
+    Recipe::from_toml(text, "t.toml", Path::new("."))
+}
+
+fn with_layer(layer: &str) -> String {
+    format!("{HEAD}[[layer]]\n{layer}\n{PALETTE}")
+}
+
+/// The message of a recipe that must be refused.
+fn refusal(text: &str) -> String {
+    parse(text).expect_err("this recipe should be refused").to_string()
+}
+
+#[track_caller]
+fn assert_refused(text: &str, parts: &[&str]) {
+    let message = refusal(text);
+    for part in parts {
+        assert!(message.contains(part), "{message:?} lacks {part:?}");
+    }
+}
+
+#[test]
+fn shipped_recipe_does_not_parse() {
+    for name in ["terra.toml", "luna.toml", "tiny.toml"] {
+        let recipe = Recipe::load(&shipped(name)).unwrap_or_else(|e| panic!("{e}"));
+        assert!(!recipe.layers.is_empty() && recipe.assets.is_empty());
+        let again = Recipe::from_parts(&recipe.text, &recipe.name, recipe.assets.clone()).unwrap();
+        assert_eq!(again.text, recipe.text);
+    }
+    let terra = Recipe::load(&shipped("terra.toml")).unwrap();
+    assert_eq!((terra.radius, terra.sea.unwrap().level_m), (6_371_000.0, 0.0));
+    assert!(terra.atmosphere.unwrap().rayleigh[2] > 3e-5);
+}
+
+#[test]
+fn minimal_recipe_is_refused() {
+    let recipe = parse(&with_layer(
+        "kind = \"plains\"\nwavelength_m = 50\ngain = 0.5\namplitude_m = 3",
+    ))
+    .unwrap();
+    assert!(matches!(&recipe.layers[0], Layer::Plains(p) if p.octaves.detail_m == 1.0));
+}
+
+#[test]
+fn missing_file_is_not_named() {
+    let message = Recipe::load(Path::new("/no/such.toml")).unwrap_err().to_string();
+    assert!(message.contains("/no/such.toml"), "{message}");
+}
+
+#[test]
+fn broken_toml_has_no_line() {
+    assert_refused("name = \"T\"\nradius_m = = 3\n", &["t.toml:2", "not valid TOML"]);
+}
+
+#[test]
+fn unknown_key_is_accepted() {
+    let parts = ["t.toml:4", "`colour`", "unknown key", "radius_m"];
+    assert_refused(&format!("{HEAD}colour = 3\n{PALETTE}"), &parts);
+    let layer = "kind = \"plains\"\nwavelength_m = 50\ngain = 0.5\namplitude_m = 3\nheight = 2";
+    assert_refused(
+        &with_layer(layer),
+        &["t.toml:9", "`layer[0].height`", "unknown key", "amplitude_m"],
+    );
+    let sea = format!("{HEAD}[sea]\nlevel_m = 0\nshallow = [0,0,0]\ndeep = [0,0,0]\nsalt = 3\n{PALETTE}");
+    assert_refused(&sea, &["t.toml:8", "`sea.salt`"]);
+    assert_refused(
+        &format!("{HEAD}{PALETTE}moss = [1,2,3]\n"),
+        &["t.toml:11", "`palette.moss`", "unknown"],
+    );
+}
+
+#[test]
+fn missing_key_is_accepted() {
+    assert_refused(
+        "name = \"T\"\nseed = 1\n",
+        &["`radius_m`", "found nothing", "a number from 1000 to 100000000"],
+    );
+    assert_refused(HEAD, &["`palette`", "found nothing", "a table"]);
+    assert_refused(
+        &with_layer("wavelength_m = 3"),
+        &["t.toml:4", "`layer[0].kind`", "found nothing"],
+    );
+}
+
+#[test]
+fn wrong_type_is_accepted() {
+    let text = HEAD.replace("10000.0", "\"big\"");
+    assert_refused(
+        &text,
+        &["t.toml:2", "`radius_m`", "string \"big\"", "a number from 1000"],
+    );
+    assert_refused(
+        &HEAD.replace("seed = 1", "seed = 1.5"),
+        &["t.toml:3", "`seed`", "float 1.5", "whole number"],
+    );
+    assert_refused(
+        &HEAD.replace("seed = 1", "seed = -1"),
+        &["t.toml:3", "`seed`", "integer -1"],
+    );
+    assert_refused(&HEAD.replace("\"T\"", "7"), &["t.toml:1", "`name`", "integer 7"]);
+    assert_refused(
+        &format!("{HEAD}sea = 3\n{PALETTE}"),
+        &["t.toml:4", "`sea`", "integer 3", "a table"],
+    );
+    assert_refused(
+        &format!("{HEAD}layer = 3\n{PALETTE}"),
+        &["t.toml:4", "`layer`", "array of tables"],
+    );
+    let craters = "kind = \"craters\"\nlargest_m = 500\nsmallest_m = 10\nbasins = 1";
+    assert_refused(
+        &with_layer(craters),
+        &["t.toml:8", "`layer[0].basins`", "true or false"],
+    );
+}
+
+#[test]
+fn out_of_range_is_accepted() {
+    assert_refused(
+        &HEAD.replace("10000.0", "5"),
+        &["t.toml:2", "`radius_m`", "integer 5", "from 1000"],
+    );
+    assert_refused(&HEAD.replace("10000.0", "nan"), &["t.toml:2", "`radius_m`", "nan"]);
+    let plains = "kind = \"plains\"\nwavelength_m = 50\ngain = 1.5\namplitude_m = 3";
+    assert_refused(
+        &with_layer(plains),
+        &["t.toml:7", "`layer[0].gain`", "float 1.5", "from 0.2 to 0.8"],
+    );
+    let craters = "kind = \"craters\"\nlargest_m = 9000\nsmallest_m = 10";
+    assert_refused(
+        &with_layer(craters),
+        &["t.toml:6", "`layer[0].largest_m`", "9000", "to 3500"],
+    );
+    let profile = "kind = \"continents\"\nwavelength_m = 50\ngain = 0.5\nprofile = [[0, 0], [0.1, -5]]";
+    assert_refused(&with_layer(profile), &["t.toml:8", "`layer[0].profile`", "rising"]);
+    let sea = format!("{HEAD}[sea]\nshallow = [0, 0]\ndeep = [0,0,0]\n{PALETTE}");
+    assert_refused(&sea, &["t.toml:5", "`sea.shallow`", "3 values"]);
+    assert_refused(
+        &format!("{HEAD}{PALETTE}").replace("[0, 1]", "[1, 0]"),
+        &["`palette.mare_m`", "first below"],
+    );
+    assert_refused(
+        &with_layer("kind = \"lava\""),
+        &["t.toml:5", "`layer[0].kind`", "\"lava\"", "plains"],
+    );
+}
+
+#[test]
+fn missing_heightmap_is_not_named() {
+    let layer = with_layer("kind = \"heightmap\"\nfile = \"gone.png\"\nrange_m = [0, 100]");
+    assert_refused(&layer, &["t.toml:6", "`layer[0].file`", "gone.png", "readable file"]);
+    let bytes = vec![1, 2];
+    let other = vec![Asset {
+        name: "other.png".into(),
+        bytes,
+    }];
+    let message = Recipe::from_parts(&layer, "t.toml", other).unwrap_err().to_string();
+    assert!(message.contains("gone.png") && message.contains("assets"), "{message}");
+}

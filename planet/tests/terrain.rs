@@ -1,0 +1,307 @@
+//! Terrain: the same bits however it is asked for, inside its stated range, detailed down to a metre, finite everywhere.
+
+#![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
+
+use glam::DVec3;
+use proptest::prelude::*;
+use std::path::Path;
+use terrane_planet::recipe::{Asset, Recipe};
+use terrane_planet::terrain::{GroundPoint, Terrain};
+
+const SHIPPED: [&str; 3] = ["terra", "luna", "tiny"];
+
+fn recipe(name: &str) -> Recipe {
+    Recipe::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("recipes/{name}.toml"))).unwrap()
+}
+
+fn terrain(name: &str) -> Terrain {
+    Terrain::new(&recipe(name)).unwrap()
+}
+
+/// Directions spread evenly over the sphere (spherical Fibonacci, Gonzalez 2010).
+fn spread(count: usize) -> Vec<DVec3> {
+    let turn = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt());
+    let at = |i: usize| {
+        let z = 1.0 - (2.0 * i as f64 + 1.0) / count as f64;
+        let r = (1.0 - z * z).sqrt();
+        DVec3::new(r * (turn * i as f64).cos(), r * (turn * i as f64).sin(), z)
+    };
+    (0..count).map(at).collect()
+}
+
+fn heights(terrain: &Terrain, directions: &[DVec3]) -> Vec<f64> {
+    let mut heights = vec![0.0; directions.len()];
+    terrain.heights(directions, &mut heights);
+    heights
+}
+
+fn turned(latitude: f64, longitude: f64) -> DVec3 {
+    let (lat, lon) = (latitude.to_radians(), longitude.to_radians());
+    DVec3::new(lat.cos() * lon.cos(), lat.cos() * lon.sin(), lat.sin())
+}
+
+#[test]
+fn slices_change_the_bits() {
+    for name in SHIPPED {
+        let (terrain, directions) = (terrain(name), spread(777));
+        let whole = heights(&terrain, &directions);
+        for length in [1, 3, 64, 127, 128, 129, 500] {
+            let cut: Vec<f64> = directions.chunks(length).flat_map(|d| heights(&terrain, d)).collect();
+            assert!(
+                whole.iter().zip(&cut).all(|(a, b)| a.to_bits() == b.to_bits()),
+                "{name}, slices of {length}"
+            );
+        }
+        for (d, h) in directions.iter().zip(&whole) {
+            assert_eq!(terrain.height(*d).to_bits(), h.to_bits(), "{name} at {d}");
+        }
+    }
+}
+
+#[test]
+fn close_points_share_craters_wrongly() {
+    // Neighbours share crater sites; single points do not: rows of 128 at several spacings must agree with points.
+    for name in ["luna", "tiny"] {
+        let (recipe, terrain) = (recipe(name), terrain(name));
+        for (place, spacing) in spread(12)
+            .into_iter()
+            .flat_map(|d| [0.3, 4.0, 70.0, 900.0].map(|s| (d, s)))
+        {
+            let along = place.any_orthonormal_vector() * (spacing / recipe.radius);
+            let row: Vec<DVec3> = (0..128).map(|i| (place + along * f64::from(i)).normalize()).collect();
+            for (d, h) in row.iter().zip(heights(&terrain, &row)) {
+                assert_eq!(
+                    terrain.height(*d).to_bits(),
+                    h.to_bits(),
+                    "{name}, {spacing} m apart, at {d}"
+                );
+            }
+        }
+    }
+}
+
+#[test]
+fn albedo_depends_on_the_slice() {
+    for name in SHIPPED {
+        let (terrain, directions) = (terrain(name), spread(300));
+        let ground = |&direction: &DVec3| GroundPoint {
+            direction,
+            height: terrain.height(direction),
+            slope: 0.3,
+        };
+        let points: Vec<GroundPoint> = directions.iter().map(ground).collect();
+        let (mut whole, mut single) = (vec![[0; 3]; 300], vec![[0; 3]; 300]);
+        terrain.albedo(&points, &mut whole);
+        points
+            .chunks(7)
+            .zip(single.chunks_mut(7))
+            .for_each(|(p, a)| terrain.albedo(p, a));
+        assert_eq!(whole, single, "{name}");
+        assert!(whole.iter().any(|a| *a != whole[0]), "{name} has one colour");
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
+    #[test]
+    fn order_changes_the_bits(seed in 0_u64..1000, split in 1_usize..199) {
+        let mut recipe = recipe("tiny");
+        recipe.seed = seed;
+        let terrain = Terrain::new(&recipe).unwrap();
+        let mut directions = spread(200);
+        let before = heights(&terrain, &directions);
+        directions.rotate_left(split.min(199));
+        let mut after = heights(&terrain, &directions);
+        after.rotate_right(split.min(199));
+        prop_assert_eq!(before, after);
+    }
+}
+
+#[test]
+fn heights_leave_their_range() {
+    for name in SHIPPED {
+        let terrain = terrain(name);
+        let (low, high) = terrain.height_range();
+        for h in heights(&terrain, &spread(60_000)) {
+            assert!(
+                h.is_finite() && (low..=high).contains(&h),
+                "{name}: {h} outside {low} to {high}"
+            );
+        }
+    }
+}
+
+#[test]
+fn axes_and_poles_are_not_finite() {
+    let mut directions = Vec::new();
+    for x in [-1.0, 0.0, -0.0, 1.0] {
+        for y in [-1.0, 0.0, -0.0, 1.0] {
+            for z in [-1.0, 0.0, 1.0] {
+                directions.extend(DVec3::new(x, y, z).try_normalize());
+            }
+        }
+    }
+    for name in SHIPPED {
+        assert!(
+            heights(&terrain(name), &directions).iter().all(|h| h.is_finite()),
+            "{name}"
+        );
+    }
+}
+
+#[test]
+fn terra_is_not_mostly_ocean() {
+    let terrain = terrain("terra");
+    let ground = heights(&terrain, &spread(60_000));
+    let wet = ground.iter().filter(|&&h| h < 0.0).count() as f64 / ground.len() as f64;
+    assert!((0.60..0.72).contains(&wet), "{wet}");
+    let deep = ground.iter().filter(|&&h| h < -3000.0).count() as f64 / ground.len() as f64;
+    assert!(deep > 0.3, "abyssal plains cover {deep}");
+    let highest = ground.iter().copied().fold(0.0, f64::max);
+    assert!((6000.0..10_500.0).contains(&highest), "highest {highest}");
+}
+
+#[test]
+fn a_metre_makes_no_difference() {
+    for name in SHIPPED {
+        let (recipe, terrain) = (recipe(name), terrain(name));
+        let mut rough = 0;
+        for d in spread(200) {
+            let step = d.any_orthonormal_vector() / recipe.radius;
+            let rise = (terrain.height((d + step).normalize()) - terrain.height(d)).abs();
+            assert!(rise < 8.0, "{name}: a cliff of {rise} m over one metre");
+            // Bend over a metre: what a plane through larger features would not have.
+            let back = terrain.height((d - step).normalize());
+            let ahead = terrain.height((d + step).normalize());
+            rough += usize::from((ahead + back - 2.0 * terrain.height(d)).abs() > 1e-3);
+        }
+        assert!(
+            rough > 150,
+            "{name}: only {rough} of 200 places have relief at one metre"
+        );
+    }
+}
+
+#[test]
+fn ground_jumps_between_neighbours() {
+    // A millimetre apart, heights differ by millimetres: cell borders, crater rims and map edges included.
+    for name in SHIPPED {
+        let (recipe, terrain) = (recipe(name), terrain(name));
+        for d in spread(4000) {
+            let near = (d + d.any_orthonormal_vector() * (1e-3 / recipe.radius)).normalize();
+            let step = (terrain.height(near) - terrain.height(d)).abs();
+            assert!(step < 0.02, "{name}: {step} m over a millimetre at {d}");
+        }
+    }
+}
+
+#[test]
+fn seed_is_ignored() {
+    let mut recipe = recipe("tiny");
+    let before = heights(&Terrain::new(&recipe).unwrap(), &spread(100));
+    recipe.seed += 1;
+    let after = heights(&Terrain::new(&recipe).unwrap(), &spread(100));
+    assert!(before.iter().zip(&after).filter(|(a, b)| a != b).count() > 95);
+}
+
+/// Encodes a PNG of any kind.
+fn image(width: u32, height: u32, colour: png::ColorType, depth: png::BitDepth, data: &[u8]) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, width, height);
+    encoder.set_color(colour);
+    encoder.set_depth(depth);
+    encoder.write_header().unwrap().write_image_data(data).unwrap();
+    bytes
+}
+
+fn grey16(width: u32, height: u32, pixel: impl Fn(u32, u32) -> u16) -> Vec<u8> {
+    let data: Vec<u8> = (0..height)
+        .flat_map(|y| (0..width).map(move |x| (x, y)))
+        .flat_map(|(x, y)| pixel(x, y).to_be_bytes())
+        .collect();
+    image(width, height, png::ColorType::Grayscale, png::BitDepth::Sixteen, &data)
+}
+
+fn mapped(bytes: Vec<u8>, placement: &str) -> Result<Terrain, String> {
+    let text = format!(
+        "name = \"T\"\nradius_m = 10000.0\nseed = 1\n[[layer]]\nkind = \"heightmap\"\nfile = \"m.png\"\n\
+         range_m = [-100, 900]\n{placement}\n[palette]\nkind = \"airless\"\nhighland = [1, 2, 3]\nmare = [1, 2, 3]\n\
+         ray = [1, 2, 3]\nmare_m = [0, 1]\npatch_m = 500\n"
+    );
+    let recipe = Recipe::from_parts(
+        &text,
+        "t.toml",
+        vec![Asset {
+            name: "m.png".into(),
+            bytes,
+        }],
+    )
+    .map_err(|e| e.to_string())?;
+    Terrain::new(&recipe).map_err(|e| e.to_string())
+}
+
+#[test]
+fn wrong_image_is_accepted() {
+    use png::{BitDepth, ColorType};
+    let grey = ColorType::Grayscale;
+    let cases = [
+        (image(4, 2, grey, BitDepth::Eight, &[0; 8]), "8 bits", "16 bits"),
+        (
+            image(4, 2, ColorType::Rgb, BitDepth::Sixteen, &[0; 48]),
+            "Rgb",
+            "greyscale",
+        ),
+        (grey16(4, 4, |_, _| 0), "4 x 4", "twice as wide"),
+        (grey16(2, 1, |_, _| 0), "2 x 1", "2 to 32768"),
+        (b"not a png at all".to_vec(), "ignature", "undamaged PNG"),
+        (
+            grey16(64, 32, |x, y| (x * y) as u16)[..90].to_vec(),
+            "found",
+            "undamaged PNG",
+        ),
+    ];
+    for (bytes, found, expected) in cases {
+        let message = mapped(bytes, "").err().expect("this image should be refused");
+        for part in ["t.toml:6", "`layer[0].file`", "m.png", found, expected] {
+            assert!(message.contains(part), "{message:?} lacks {part:?}");
+        }
+    }
+}
+
+#[test]
+fn planet_map_is_misplaced() {
+    // White in the column east of longitude 90, black elsewhere but for a grey northernmost row.
+    let pixel = |x: u32, y: u32| if y == 0 { 32_768 } else { u16::from(x == 48) * 65_535 };
+    let terrain = mapped(grey16(64, 32, pixel), "").unwrap();
+    let at = |lat: f64, lon: f64| terrain.height(turned(lat, lon));
+    assert!((at(0.0, 92.8125) - 900.0).abs() < 1.0, "{}", at(0.0, 92.8125));
+    assert!((at(0.0, 0.0) + 100.0).abs() < 1e-6 && (at(-40.0, -92.0) + 100.0).abs() < 1e-6);
+    assert!((terrain.height(DVec3::Z) - 400.0).abs() < 0.1);
+    // No seam at the date line.
+    assert!((at(10.0, 179.999_999) - at(10.0, -179.999_999)).abs() < 0.01);
+}
+
+#[test]
+fn local_map_is_misplaced() {
+    // 4000 m wide, its right half white; centre at 30 N 40 E.
+    let place = "latitude_deg = 30.0\nlongitude_deg = 40.0\nwidth_m = 4000.0\nblend_m = 400.0\n";
+    let bytes = grey16(64, 64, |x, _| u16::from(x >= 32) * 65_535);
+    let centre = turned(30.0, 40.0);
+    let at = |terrain: &Terrain, east: f64, north: f64| {
+        let e = DVec3::Z.cross(centre).normalize();
+        terrain.height((centre + (e * east + centre.cross(e) * north) / 10_000.0).normalize())
+    };
+    let level = mapped(bytes.clone(), place).unwrap();
+    assert!((at(&level, 1000.0, 0.0) - 900.0).abs() < 1e-6 && (at(&level, -1000.0, 0.0) + 100.0).abs() < 1e-6);
+    assert_eq!(at(&level, 2100.0, 0.0), 0.0, "beyond the edge the ground is as before");
+    assert!(
+        (at(&level, 1800.0, 0.0) - 450.0).abs() < 1.0,
+        "half-way through the blend"
+    );
+    assert_eq!(level.height(-centre), 0.0, "the far side is untouched");
+    // Turned by 90 degrees the image's right edge points south.
+    let turned_map = mapped(bytes, &format!("{place}heading_deg = 90.0\n")).unwrap();
+    assert!(
+        (at(&turned_map, 0.0, -1000.0) - 900.0).abs() < 1e-6 && (at(&turned_map, 0.0, 1000.0) + 100.0).abs() < 1e-6
+    );
+}
