@@ -50,7 +50,9 @@ pub enum PlanError {
         found: u8,
     },
     /// A region whose finest level is not below that of the whole planet.
-    #[error("the region's level {found} is not finer than the planet's level {levels}; ask for a deeper one or leave the region out")]
+    #[error(
+        "the region's level {found} is not finer than the planet's level {levels}; ask for a deeper one or leave the region out"
+    )]
     RegionNotFiner {
         /// Level of the region.
         found: u8,
@@ -259,8 +261,7 @@ pub fn bake(
     threads: usize,
     progress: &dyn Fn(Progress),
     stop: &AtomicBool,
-) -> Result<BakeSummary, BakeError>
-{
+) -> Result<BakeSummary, BakeError> {
     let start = Instant::now();
     let ground = Ground { elevation, lattice: file.header().lattice, cells: file.header().cells };
     let stored = file.ids()?;

@@ -17,8 +17,14 @@ use glam::IVec3;
 pub const MAGIC: [u8; 4] = *b"TRPG";
 
 /// Names of the streams and how many byte planes each has, in file order.
-const STREAMS: [(&str, u32); 6] =
-    [("wake steps", 2), ("grid positions", 2), ("parents", 2), ("own wake deficits", 2), ("coarser wake deficits", 2), ("heights", 4)];
+const STREAMS: [(&str, u32); 6] = [
+    ("wake steps", 2),
+    ("grid positions", 2),
+    ("parents", 2),
+    ("own wake deficits", 2),
+    ("coarser wake deficits", 2),
+    ("heights", 4),
+];
 
 /// Bytes before the streams: box 24, heights 8, deviation 8, odd wake 8.
 const MEASURES: usize = 48;
@@ -31,6 +37,19 @@ pub(super) fn cells_are_valid(cells: u32) -> bool {
 /// The record of a mesh, or which of the builder's promises it breaks (nothing is stored that could not be read back).
 pub fn encode(mesh: &PatchMesh) -> Result<Vec<u8>, RecordError> {
     validate(mesh)?;
+    let numbers = [
+        wake_steps(mesh),
+        grid_positions(mesh),
+        parents(mesh),
+        deficits(mesh, |v| v.own),
+        deficits(mesh, |v| v.coarser),
+        residuals(mesh),
+    ];
+    Ok(write(mesh, &numbers))
+}
+
+/// The record of a mesh's measures and of the numbers of its streams.
+fn write(mesh: &PatchMesh, numbers: &[Vec<u32>; STREAMS.len()]) -> Vec<u8> {
     let mut record = RecordWriter::new(MAGIC, mesh.id, mesh.cells);
     let [low, high] = [mesh.bounds.low, mesh.bounds.high];
     for number in [low.x, low.y, low.z, high.x, high.y, high.z, mesh.heights[0], mesh.heights[1]] {
@@ -38,11 +57,10 @@ pub fn encode(mesh: &PatchMesh) -> Result<Vec<u8>, RecordError> {
     }
     record.plain(&mesh.deviation.to_le_bytes());
     record.plain(&mesh.odd_wake.to_le_bytes());
-    let numbers = [wake_steps(mesh), grid_positions(mesh), parents(mesh), deficits(mesh, |v| v.own), deficits(mesh, |v| v.coarser), residuals(mesh)];
     for ((_, planes), numbers) in STREAMS.into_iter().zip(numbers) {
-        (0..planes).for_each(|p| record.stream(&plane(&numbers, p)));
+        (0..planes).for_each(|p| record.stream(&plane(numbers, p)));
     }
-    Ok(record.finish())
+    record.finish()
 }
 
 /// The mesh of a record, after every check that keeps a reader of it safe.
@@ -109,7 +127,12 @@ fn validate(mesh: &PatchMesh) -> Result<(), RecordError> {
 }
 
 /// Checks bounds and measures alone.
-pub(super) fn measures_are_valid(bounds: LatticeBox, heights: [i32; 2], deviation: f64, odd_wake: f64) -> Result<(), &'static str> {
+pub(super) fn measures_are_valid(
+    bounds: LatticeBox,
+    heights: [i32; 2],
+    deviation: f64,
+    odd_wake: f64,
+) -> Result<(), &'static str> {
     let inside = |p: IVec3| p.cmpge(IVec3::splat(-EXTENT)).all() && p.cmple(IVec3::splat(EXTENT)).all();
     if !inside(bounds.low) || !inside(bounds.high) || !bounds.low.cmple(bounds.high).all() {
         return Err("the bounds are not a box inside the lattice");
@@ -200,11 +223,103 @@ fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError
             return Err(wrong("its parent comes after it"));
         }
         wake = wake.checked_sub(steps[place]).ok_or(wrong("its wake falls below zero"))?;
-        let lacks = |deficit: u32| wake.checked_sub(deficit).map(|code| Wake::from_code(code as u16)).ok_or(wrong("its wake falls below zero"));
+        let lacks = |deficit: u32| {
+            wake.checked_sub(deficit).map(|code| Wake::from_code(code as u16)).ok_or(wrong("its wake falls below zero"))
+        };
         if own[place] != 0 && coarser[place] != 0 {
             return Err(wrong("neither of its wakes is the larger one"));
         }
-        vertices.push(Vertex { grid: grid as u16, height: heights[grid as usize], own: lacks(own[place])?, coarser: lacks(coarser[place])?, parent });
+        vertices.push(Vertex {
+            grid: grid as u16,
+            height: heights[grid as usize],
+            own: lacks(own[place])?,
+            coarser: lacks(coarser[place])?,
+            parent,
+        });
     }
     Ok(vertices)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A mesh that satisfies every rule: all asleep but the first, which is everyone's parent.
+    fn flat(cells: u32) -> PatchMesh {
+        let vertex = |grid: u32| {
+            let wake = if grid == 0 { Wake::ALWAYS } else { Wake::ASLEEP };
+            Vertex { grid: grid as u16, height: -7, own: wake, coarser: wake, parent: 0 }
+        };
+        PatchMesh {
+            id: PatchId::new(crate::sphere::Face::ALL[2], 3, 1, 6).unwrap(),
+            cells,
+            vertices: (0..(cells + 1) * (cells + 1)).map(vertex).collect(),
+            bounds: LatticeBox { low: IVec3::splat(-5), high: IVec3::splat(5) },
+            heights: [-7, -7],
+            deviation: 0.5,
+            odd_wake: f64::INFINITY,
+        }
+    }
+
+    fn streams(mesh: &PatchMesh) -> [Vec<u32>; STREAMS.len()] {
+        [
+            wake_steps(mesh),
+            grid_positions(mesh),
+            parents(mesh),
+            deficits(mesh, |v| v.own),
+            deficits(mesh, |v| v.coarser),
+            residuals(mesh),
+        ]
+    }
+
+    /// Decodes a sound envelope around streams of which one was changed.
+    fn decode_changed(change: impl Fn(&mut [Vec<u32>; STREAMS.len()])) -> Result<PatchMesh, RecordError> {
+        let mesh = flat(8);
+        let mut numbers = streams(&mesh);
+        change(&mut numbers);
+        decode(&write(&mesh, &numbers), mesh.id, mesh.cells)
+    }
+
+    #[test]
+    fn sound_streams_decode() {
+        assert_eq!(decode_changed(|_| ()), Ok(flat(8)));
+    }
+
+    #[test]
+    fn streams_that_break_a_rule_are_refused_by_name() {
+        type Change = fn(&mut [Vec<u32>; STREAMS.len()]);
+        let cases: [(&str, Change); 9] = [
+            ("falls below zero", |s| s[0][5] = 9),
+            ("taken or outside", |s| (s[1][7], s[2][7]) = (s[1][6], s[2][6])),
+            ("outside the grid", |s| s[1][7] = 9 << 8),
+            ("parent comes after", |s| s[2][3] = 1),
+            ("falls below zero", |s| s[3][3] = 1),
+            ("neither of its wakes", |s| (s[3][0], s[4][0]) = (1, 1)),
+            ("height range", |s| s[5][8] = 2),
+            ("outside the lattice", |s| s[5][80] = u32::MAX),
+            ("outside the grid", |s| s[1][0] = 0xffff),
+        ];
+        for (reason, change) in cases {
+            let error = decode_changed(change).unwrap_err().to_string();
+            assert!(error.contains(reason), "expected '{reason}', found '{error}'");
+        }
+    }
+
+    #[test]
+    fn meshes_that_break_a_rule_are_not_encoded() {
+        let cases: [fn(&mut PatchMesh); 7] = [
+            |m| m.vertices[4].parent = 9,
+            |m| m.vertices[4].grid = 5,
+            |m| m.vertices[4].own = Wake::ALWAYS,
+            |m| m.deviation = f64::NAN,
+            |m| m.heights = [0, 0],
+            |m| m.bounds = LatticeBox::EMPTY,
+            |m| m.cells = 16,
+        ];
+        for (k, change) in cases.into_iter().enumerate() {
+            let mut mesh = flat(8);
+            change(&mut mesh);
+            assert!(encode(&mesh).is_err(), "case {k}");
+        }
+    }
 }

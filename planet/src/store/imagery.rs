@@ -57,7 +57,11 @@ pub fn decode(bytes: &[u8], id: PatchId, cells: u32) -> Result<PatchTexture, Rec
 
 fn side(cells: u32) -> Result<usize, RecordError> {
     let wrong = RecordError::Measure("the grid's cells are not a power of two in range");
-    if cells_are_valid(cells) { Ok(texture_side(cells) as usize) } else { Err(wrong) }
+    if cells_are_valid(cells) {
+        Ok(texture_side(cells) as usize)
+    } else {
+        Err(wrong)
+    }
 }
 
 fn predicted(plane: &[u8], k: usize, side: usize) -> u8 {

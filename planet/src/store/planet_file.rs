@@ -169,7 +169,8 @@ impl PlanetFile {
             combined ^= checksum;
             records.push(record);
         }
-        let tally = moment.query_row("SELECT patches, combined FROM tally", [], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, u32>(1)?)));
+        let tally =
+            moment.query_row("SELECT patches, combined FROM tally", [], |row| Ok((row.get::<_, i64>(0)?, row.get::<_, u32>(1)?)));
         let (patches, expected) = tally.map_err(failed)?;
         if patches != records.len() as i64 || combined != expected {
             let found = format!("{} patches with checksum {combined:08x}", records.len());
@@ -192,7 +193,8 @@ impl PlanetFile {
     /// # Errors
     /// If the file cannot be read.
     pub fn contains(&self, id: PatchId) -> Result<bool, StoreError> {
-        let found = self.connection.prepare_cached("SELECT 1 FROM patch WHERE key = ?1").and_then(|mut s| s.exists([rows::key(id)]));
+        let found =
+            self.connection.prepare_cached("SELECT 1 FROM patch WHERE key = ?1").and_then(|mut s| s.exists([rows::key(id)]));
         found.map_err(|source| failure(&self.path, "look up a patch", source))
     }
 
@@ -201,7 +203,8 @@ impl PlanetFile {
     /// # Errors
     /// If the patch is not in the file, or damaged.
     pub fn mesh(&self, id: PatchId) -> Result<PatchMesh, StoreError> {
-        geometry::decode(&self.geometry_record(id)?, id, self.header.cells).map_err(|source| self.damaged_patch(id, "geometry", source))
+        geometry::decode(&self.geometry_record(id)?, id, self.header.cells)
+            .map_err(|source| self.damaged_patch(id, "geometry", source))
     }
 
     /// A patch's texture.
@@ -209,7 +212,8 @@ impl PlanetFile {
     /// # Errors
     /// If the patch is not in the file, or damaged.
     pub fn texture(&self, id: PatchId) -> Result<PatchTexture, StoreError> {
-        imagery::decode(&self.texture_record(id)?, id, self.header.cells).map_err(|source| self.damaged_patch(id, "texture", source))
+        imagery::decode(&self.texture_record(id)?, id, self.header.cells)
+            .map_err(|source| self.damaged_patch(id, "texture", source))
     }
 
     /// A patch's geometry record as it is stored.
@@ -249,9 +253,25 @@ impl PlanetFile {
                 let (id, low, high) = (record.id, record.bounds.low, record.bounds.high);
                 let checksum = rows::checksum(record);
                 let values = params![
-                    rows::key(id), id.face.index(), id.level, id.x, id.y, low.x, low.y, low.z, high.x, high.y, high.z,
-                    record.heights[0], record.heights[1], record.deviation, record.odd_wake, record.always_awake, checksum,
-                    geometry, texture
+                    rows::key(id),
+                    id.face.index(),
+                    id.level,
+                    id.x,
+                    id.y,
+                    low.x,
+                    low.y,
+                    low.z,
+                    high.x,
+                    high.y,
+                    high.z,
+                    record.heights[0],
+                    record.heights[1],
+                    record.deviation,
+                    record.odd_wake,
+                    record.always_awake,
+                    checksum,
+                    geometry,
+                    texture
                 ];
                 if statement.execute(values)? == 1 {
                     added += 1;
@@ -274,7 +294,8 @@ impl PlanetFile {
             let direction = DVec3::new(row.get(0)?, row.get(1)?, row.get(2)?);
             Ok(Region { direction, radius_m: row.get(3)?, to_level: row.get(4)? })
         };
-        let mut statement = self.connection.prepare("SELECT x, y, z, radius_m, to_level FROM region ORDER BY rowid").map_err(failed)?;
+        let mut statement =
+            self.connection.prepare("SELECT x, y, z, radius_m, to_level FROM region ORDER BY rowid").map_err(failed)?;
         let regions = statement.query_map([], read).and_then(Iterator::collect).map_err(failed);
         regions
     }
@@ -291,7 +312,11 @@ impl PlanetFile {
         })
     }
 
-    fn transaction(&mut self, action: &'static str, work: impl FnOnce(&Connection) -> rusqlite::Result<()>) -> Result<(), StoreError> {
+    fn transaction(
+        &mut self,
+        action: &'static str,
+        work: impl FnOnce(&Connection) -> rusqlite::Result<()>,
+    ) -> Result<(), StoreError> {
         if !self.writable {
             return Err(StoreError::ReadOnly { file: self.path.clone() });
         }
@@ -304,10 +329,14 @@ impl PlanetFile {
 
     fn check_same(&self, expected: &PlanetHeader) -> Result<(), StoreError> {
         let found = &self.header;
-        let size = |assets: &[Asset]| assets.iter().map(|a| format!("{} ({} bytes)", a.name, a.bytes.len())).collect::<Vec<_>>().join(", ");
+        let size = |assets: &[Asset]| {
+            assets.iter().map(|a| format!("{} ({} bytes)", a.name, a.bytes.len())).collect::<Vec<_>>().join(", ")
+        };
         let range = |h: &PlanetHeader| format!("{:?} m", h.height_range);
         let lattice = |h: &PlanetHeader| format!("unit {} m, radius {} units", h.lattice.unit, h.lattice.radius);
-        let text = |h: &PlanetHeader| format!("'{}', {} bytes, checksum {:08x}", h.name, h.recipe.len(), crc32fast::hash(h.recipe.as_bytes()));
+        let text = |h: &PlanetHeader| {
+            format!("'{}', {} bytes, checksum {:08x}", h.name, h.recipe.len(), crc32fast::hash(h.recipe.as_bytes()))
+        };
         let differs = [
             (found.cells != expected.cells, "cells along a patch side", found.cells.to_string(), expected.cells.to_string()),
             (found.recipe != expected.recipe || found.name != expected.name, "the recipe", text(found), text(expected)),
@@ -358,8 +387,16 @@ fn write_header(draft: &Path, header: &PlanetHeader) -> rusqlite::Result<()> {
     transaction.execute(
         "INSERT INTO planet VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)",
         params![
-            header.name, header.recipe, header.cells, crate::KAPPA, crate::DEVIATION_SHARE, lattice.unit, lattice.radius, lowest,
-            highest, checksum
+            header.name,
+            header.recipe,
+            header.cells,
+            crate::KAPPA,
+            crate::DEVIATION_SHARE,
+            lattice.unit,
+            lattice.radius,
+            lowest,
+            highest,
+            checksum
         ],
     )?;
     for (place, asset) in header.assets.iter().enumerate() {
@@ -438,7 +475,11 @@ fn check_length(moment: &Connection, path: &Path) -> Result<(), StoreError> {
     moment.query_row("SELECT count(*) FROM sqlite_schema", [], |_| Ok(())).map_err(failed)?;
     let number = |name: &str| moment.pragma_query_value(None, name, |row| row.get::<_, i64>(0)).map_err(failed);
     let expected = number("page_count")?.saturating_mul(number("page_size")?);
-    let length = std::fs::metadata(path).map_err(|source| StoreError::System { file: path.to_owned(), action: "measure the planet file", source })?;
+    let length = std::fs::metadata(path).map_err(|source| StoreError::System {
+        file: path.to_owned(),
+        action: "measure the planet file",
+        source,
+    })?;
     if (length.len() as i64) < expected {
         let what = format!("cut short: {} bytes, expected {expected}", length.len());
         return Err(StoreError::Damaged { file: path.to_owned(), what });
@@ -451,11 +492,16 @@ fn failure(path: &Path, action: &'static str, source: rusqlite::Error) -> StoreE
     use rusqlite::ffi::SQLITE_IOERR_SHORT_READ;
     let damage = match &source {
         rusqlite::Error::SqliteFailure(error, _) => {
-            let damaged = matches!(error.code, ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase | ErrorCode::Unknown | ErrorCode::TooBig);
+            let damaged = matches!(
+                error.code,
+                ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase | ErrorCode::Unknown | ErrorCode::TooBig
+            );
             damaged || error.extended_code == SQLITE_IOERR_SHORT_READ
         }
         rusqlite::Error::SqlInputError { .. } | rusqlite::Error::QueryReturnedNoRows => true,
-        rusqlite::Error::InvalidColumnType(..) | rusqlite::Error::IntegralValueOutOfRange(..) | rusqlite::Error::Utf8Error(..) => true,
+        rusqlite::Error::InvalidColumnType(..)
+        | rusqlite::Error::IntegralValueOutOfRange(..)
+        | rusqlite::Error::Utf8Error(..) => true,
         rusqlite::Error::FromSqlConversionFailure(..) => true,
         _ => false,
     };

@@ -50,7 +50,11 @@ fn visit_edge(i: usize, j: usize, half: usize, cells: usize, visit: &mut impl Fn
 /// Mean of the values a point is predicted from; 0 without any.
 pub(super) fn mean(values: &[i32], around: &[usize]) -> i32 {
     let sum: i64 = around.iter().map(|&k| i64::from(values[k])).sum();
-    if around.is_empty() { 0 } else { sum.div_euclid(around.len() as i64) as i32 }
+    if around.is_empty() {
+        0
+    } else {
+        sum.div_euclid(around.len() as i64) as i32
+    }
 }
 
 /// Signed to unsigned with small magnitudes first.

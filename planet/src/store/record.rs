@@ -160,6 +160,10 @@ impl<'a> RecordReader<'a> {
 
     /// Ends the record: nothing may follow.
     pub(super) fn finish(self) -> Result<(), RecordError> {
-        if self.bytes.is_empty() { Ok(()) } else { Err(RecordError::Trailing(self.bytes.len())) }
+        if self.bytes.is_empty() {
+            Ok(())
+        } else {
+            Err(RecordError::Trailing(self.bytes.len()))
+        }
     }
 }

@@ -62,7 +62,10 @@ pub(super) fn check_stamp(path: &Path) -> Result<(), StoreError> {
     }
     let field = |at: usize| head.get(at..at + 4).map(|b| b.iter().fold(0u32, |n, &b| n << 8 | u32::from(b)));
     let (Some(version), Some(application)) = (field(60), field(68)) else {
-        return Err(StoreError::Damaged { file: path.to_owned(), what: format!("{} bytes, too few for any database", head.len()) });
+        return Err(StoreError::Damaged {
+            file: path.to_owned(),
+            what: format!("{} bytes, too few for any database", head.len()),
+        });
     };
     if application != APPLICATION_ID {
         return foreign(format!("another SQLite database (application id {application:#010x}, expected {APPLICATION_ID:#010x})"));

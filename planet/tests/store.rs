@@ -1,0 +1,301 @@
+//! The planet file: what goes in comes out, and whatever else is at the path is refused by name.
+
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use terrane_planet::bake::{bake, BakePlan, BakeSummary};
+use terrane_planet::patch::PatchId;
+use terrane_planet::planet::Planet;
+use terrane_planet::recipe::Recipe;
+use terrane_planet::simplify::builder::Faults;
+use terrane_planet::store::{geometry, imagery, BakedPatch, PlanetFile, RecordError, StoreError};
+
+const CELLS: u32 = 16;
+
+fn tiny(cells: u32) -> Planet {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/tiny.toml");
+    Planet::from_recipe(Recipe::load(&path).unwrap(), cells).unwrap()
+}
+
+fn bake_levels(path: &Path, planet: &Planet, levels: u8) -> BakeSummary {
+    let mut file = PlanetFile::create_or_resume(path, &planet.header()).unwrap();
+    let plan = BakePlan::new(planet.recipe.radius, levels, None).unwrap();
+    bake(&mut file, &planet.terrain, &planet.terrain, &plan, 2, &|_| (), &AtomicBool::new(false)).unwrap()
+}
+
+struct Folder(tempfile::TempDir);
+
+impl Folder {
+    fn new() -> Folder {
+        Folder(tempfile::tempdir().unwrap())
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.0.path().join(name)
+    }
+}
+
+/// Everything a reader can get out of a file, or the first error.
+fn read_all(path: &Path) -> Result<String, StoreError> {
+    use std::fmt::Write;
+    let file = PlanetFile::open(path)?;
+    let mut text = format!("{:?}", file.header());
+    for record in file.index()? {
+        write!(text, "{record:?}{:?}", file.mesh(record.id)?).unwrap();
+        write!(
+            text,
+            "{}",
+            crc32fast::hash(&file.texture(record.id)?.slopes.iter().flatten().map(|&b| b as u8).collect::<Vec<_>>())
+        )
+        .unwrap();
+        write!(text, "{}", crc32fast::hash(file.texture(record.id)?.albedo.as_flattened())).unwrap();
+    }
+    Ok(text)
+}
+
+#[test]
+fn patches_come_back_as_they_were_built() {
+    let (folder, planet) = (Folder::new(), tiny(32));
+    let path = folder.path("a.planet");
+    let summary = bake_levels(&path, &planet, 1);
+    assert_eq!((summary.planned, summary.built, summary.faults), (30, 30, Faults::default()));
+    let file = PlanetFile::open(&path).unwrap();
+    assert_eq!(*file.header(), planet.header());
+    assert_eq!(Planet::from_header(file.header()).unwrap().header(), planet.header());
+    let index = file.index().unwrap();
+    assert_eq!(index.len(), 30);
+    for record in index {
+        let (mesh, texture, _) = planet.build(record.id);
+        assert!(file.mesh(record.id).unwrap() == mesh, "{}", record.id);
+        assert!(file.texture(record.id).unwrap() == texture, "{}", record.id);
+        assert_eq!(BakedPatch::new(&mesh, &texture).unwrap().record, record);
+        assert!(mesh.vertices.iter().any(|v| v.own != v.coarser) || record.id.level == 0, "a comparison without coarser wakes");
+    }
+}
+
+#[test]
+fn a_patch_that_was_not_baked_is_absent() {
+    let (folder, planet) = (Folder::new(), tiny(CELLS));
+    let path = folder.path("a.planet");
+    bake_levels(&path, &planet, 0);
+    let file = PlanetFile::open(&path).unwrap();
+    let [root, child] = [PatchId::roots().next().unwrap(), PatchId::roots().next().unwrap().children().unwrap()[3]];
+    assert!(file.contains(root).unwrap() && !file.contains(child).unwrap());
+    assert!(matches!(file.mesh(child), Err(StoreError::Absent { id, .. }) if id == child));
+}
+
+#[test]
+fn a_file_opened_for_reading_refuses_patches() {
+    let (folder, planet) = (Folder::new(), tiny(CELLS));
+    let path = folder.path("a.planet");
+    bake_levels(&path, &planet, 0);
+    let mut file = PlanetFile::open(&path).unwrap();
+    assert!(matches!(file.put(&[]), Err(StoreError::ReadOnly { .. })));
+}
+
+#[test]
+fn another_planet_does_not_resume() {
+    let (folder, planet) = (Folder::new(), tiny(CELLS));
+    let path = folder.path("a.planet");
+    bake_levels(&path, &planet, 0);
+    let mut other = planet.header();
+    other.recipe.push_str("\n# changed\n");
+    let mut assets = planet.header();
+    assets.assets.push(terrane_planet::recipe::Asset { name: "a.png".into(), bytes: vec![1] });
+    for (header, what) in [(tiny(32).header(), "cells"), (other, "the recipe"), (assets, "files")] {
+        let error = PlanetFile::create_or_resume(&path, &header).unwrap_err();
+        assert!(matches!(error, StoreError::Differs { .. }) && error.to_string().contains(what), "{error}");
+    }
+    assert!(PlanetFile::create_or_resume(&path, &planet.header()).is_ok());
+}
+
+#[test]
+fn every_flipped_byte_of_a_record_is_noticed() {
+    let planet = tiny(CELLS);
+    let id = PatchId::roots().nth(4).unwrap();
+    let (mesh, texture, _) = planet.build(id);
+    let baked = BakedPatch::new(&mesh, &texture).unwrap();
+    assert!(geometry::decode(&baked.geometry, id, CELLS).is_ok() && imagery::decode(&baked.texture, id, CELLS).is_ok());
+    for k in 0..baked.geometry.len() {
+        let mut bytes = baked.geometry.clone();
+        bytes[k] ^= 0x10;
+        assert!(geometry::decode(&bytes, id, CELLS).is_err(), "byte {k}");
+        assert!(geometry::decode(&baked.geometry[..k], id, CELLS).is_err(), "cut at {k}");
+    }
+    for k in (0..baked.texture.len()).step_by(7) {
+        let mut bytes = baked.texture.clone();
+        bytes[k] ^= 0x10;
+        assert!(imagery::decode(&bytes, id, CELLS).is_err(), "byte {k}");
+    }
+}
+
+/// With the checksum made right again, only the decoder's own checks stand between damage and a reader.
+#[test]
+fn damage_behind_a_right_checksum_never_panics() {
+    let planet = tiny(CELLS);
+    let id = PatchId::roots().nth(4).unwrap();
+    let (mesh, texture, _) = planet.build(id);
+    let baked = BakedPatch::new(&mesh, &texture).unwrap();
+    let seal = |bytes: &mut [u8]| {
+        let mut hasher = crc32fast::Hasher::new();
+        hasher.update(&bytes[..26]);
+        hasher.update(&bytes[30..]);
+        let crc = hasher.finalize();
+        bytes[26..30].copy_from_slice(&crc.to_le_bytes());
+    };
+    let mut resealed = baked.geometry.clone();
+    seal(&mut resealed);
+    assert_eq!(resealed, baked.geometry, "the test does not know where the checksum is");
+    let mut reached_beyond = 0;
+    for k in 0..baked.geometry.len() {
+        for flip in [0x01, 0x80, 0xff] {
+            let mut bytes = baked.geometry.clone();
+            bytes[k] ^= flip;
+            seal(&mut bytes);
+            match geometry::decode(&bytes, id, CELLS) {
+                Err(RecordError::Checksum { .. }) if !(26..30).contains(&k) => panic!("the seal is wrong at {k}"),
+                Err(RecordError::Vertex { .. }) | Ok(_) => reached_beyond += 1,
+                Err(_) => {}
+            }
+        }
+    }
+    assert!(reached_beyond > 0, "no damage got past the envelope");
+    let stated_length = u32::MAX.to_le_bytes();
+    let mut huge = baked.geometry.clone();
+    huge[30 + 48..30 + 52].copy_from_slice(&stated_length);
+    seal(&mut huge);
+    assert!(matches!(geometry::decode(&huge, id, CELLS), Err(RecordError::Short { .. })));
+}
+
+#[test]
+fn records_of_other_patches_versions_and_grids_are_told_apart() {
+    let planet = tiny(CELLS);
+    let id = PatchId::roots().next().unwrap();
+    let other = PatchId::roots().nth(1).unwrap();
+    let (mesh, texture, _) = planet.build(id);
+    let baked = BakedPatch::new(&mesh, &texture).unwrap();
+    assert!(matches!(geometry::decode(&baked.geometry, other, CELLS), Err(RecordError::Belongs { .. })));
+    assert!(matches!(geometry::decode(&baked.geometry, id, 32), Err(RecordError::Belongs { .. })));
+    assert!(matches!(geometry::decode(&baked.texture, id, CELLS), Err(RecordError::Magic { .. })));
+    let mut newer = baked.geometry.clone();
+    newer[4] = 9;
+    assert!(matches!(geometry::decode(&newer, id, CELLS), Err(RecordError::Version { found: 9, expected: 1 })));
+    assert!(matches!(geometry::decode(&[], id, CELLS), Err(RecordError::Short { .. })));
+}
+
+/// Flips bytes all over a file: a reader gets an error, or exactly what was written; never something else, never a panic.
+#[test]
+fn a_damaged_file_never_reads_as_another_planet() {
+    let (folder, planet) = (Folder::new(), tiny(CELLS));
+    let (path, damaged) = (folder.path("a.planet"), folder.path("b.planet"));
+    bake_levels(&path, &planet, 0);
+    let bytes = std::fs::read(&path).unwrap();
+    let original = read_all(&path).unwrap();
+    let (mut refused, mut harmless) = (0, 0);
+    let stride = bytes.len() / 700 + 1;
+    for at in (0..120).chain((120..bytes.len()).step_by(stride)).chain((0..bytes.len()).step_by(8192).flat_map(|p| p..p + 12)) {
+        let mut copy = bytes.clone();
+        copy[at] ^= 0x41;
+        std::fs::write(&damaged, &copy).unwrap();
+        match read_all(&damaged) {
+            Ok(text) => {
+                assert!(text == original, "byte {at} changed what is read");
+                harmless += 1;
+            }
+            Err(StoreError::System { .. } | StoreError::ReadOnly { .. } | StoreError::Differs { .. }) => {
+                panic!("byte {at}: wrong kind of error")
+            }
+            Err(error) => {
+                assert!(error.to_string().contains("b.planet"), "no file name: {error}");
+                refused += 1;
+            }
+        }
+    }
+    // Harmless are SQLite's change counters and the free space within pages.
+    assert!(refused > 200, "{refused} refused, {harmless} harmless");
+}
+
+#[test]
+fn a_truncated_file_is_refused() {
+    let (folder, planet) = (Folder::new(), tiny(8));
+    let (path, cut) = (folder.path("a.planet"), folder.path("b.planet"));
+    bake_levels(&path, &planet, 0);
+    let bytes = std::fs::read(&path).unwrap();
+    for length in [1, 15, 50, 99, 100, 4000, 8192, 8193, bytes.len() / 2, bytes.len() - 8192, bytes.len() - 1] {
+        std::fs::write(&cut, &bytes[..length]).unwrap();
+        let error = PlanetFile::open(&cut).unwrap_err();
+        assert!(matches!(error, StoreError::Damaged { .. } | StoreError::Foreign { .. }), "{length}: {error:?}");
+        assert!(PlanetFile::create_or_resume(&cut, &planet.header()).is_err(), "{length}");
+    }
+}
+
+#[test]
+fn foreign_files_are_refused_by_name_and_left_alone() {
+    let (folder, planet) = (Folder::new(), tiny(CELLS));
+    let path = folder.path("a.planet");
+    let database = folder.path("other.db");
+    rusqlite::Connection::open(&database).unwrap().execute_batch("CREATE TABLE patch (a); INSERT INTO patch VALUES (1)").unwrap();
+    let cases: [(Vec<u8>, &str); 4] = [
+        (Vec::new(), "an empty file"),
+        (b"\x89PNG\r\n\x1a\n....".to_vec(), "a PNG image"),
+        (b"some notes\n".to_vec(), "a text file"),
+        (std::fs::read(&database).unwrap(), "another SQLite database"),
+    ];
+    for (bytes, name) in cases {
+        std::fs::write(&path, &bytes).unwrap();
+        for error in [PlanetFile::open(&path).unwrap_err(), PlanetFile::create_or_resume(&path, &planet.header()).unwrap_err()] {
+            assert!(matches!(error, StoreError::Foreign { .. }) && error.to_string().contains(name), "{error}");
+        }
+        assert_eq!(std::fs::read(&path).unwrap(), bytes, "{name} was changed");
+    }
+}
+
+#[test]
+fn other_format_versions_are_refused_with_both_versions() {
+    let (folder, planet) = (Folder::new(), tiny(8));
+    let path = folder.path("a.planet");
+    bake_levels(&path, &planet, 0);
+    for (version, advice) in [(99, "newer Terrane"), (0, "older Terrane")] {
+        rusqlite::Connection::open(&path).unwrap().pragma_update(None, "user_version", version).unwrap();
+        let error = PlanetFile::open(&path).unwrap_err();
+        let text = error.to_string();
+        assert!(matches!(error, StoreError::Version { found, expected: 1, .. } if found == version), "{text}");
+        assert!(text.contains(advice) && text.contains(&version.to_string()), "{text}");
+    }
+}
+
+#[test]
+fn a_row_that_is_taken_away_is_missed() {
+    let (folder, planet) = (Folder::new(), tiny(8));
+    let path = folder.path("a.planet");
+    bake_levels(&path, &planet, 0);
+    assert!(PlanetFile::open(&path).unwrap().index().is_ok());
+    rusqlite::Connection::open(&path).unwrap().execute("DELETE FROM patch WHERE face = 3", []).unwrap();
+    let error = PlanetFile::open(&path).unwrap().index().unwrap_err();
+    assert!(error.to_string().contains("5 patches"), "{error}");
+}
+
+#[test]
+fn readers_see_whole_batches_while_a_bake_goes_on() {
+    let (folder, planet) = (Folder::new(), tiny(CELLS));
+    let path = folder.path("a.planet");
+    bake_levels(&path, &planet, 0);
+    let counts = std::thread::scope(|scope| {
+        let baker = scope.spawn(|| bake_levels(&path, &planet, 2));
+        let mut counts = Vec::new();
+        while !baker.is_finished() {
+            let file = PlanetFile::open(&path).unwrap();
+            let index = file.index().unwrap();
+            file.mesh(index[index.len() - 1].id).unwrap();
+            counts.push(index.len());
+        }
+        counts
+    });
+    assert!(counts.is_sorted() && counts.len() > 2, "{counts:?}");
+    assert_eq!(PlanetFile::open(&path).unwrap().index().unwrap().len(), 126);
+}
+
+#[test]
+fn a_planet_file_moves_between_threads() {
+    fn is_send<T: Send>() {}
+    is_send::<PlanetFile>();
+}

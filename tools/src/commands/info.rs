@@ -1,0 +1,88 @@
+//! `terrane info`: what a planet file holds.
+
+use super::Run;
+use crate::Outcome;
+use serde_json::json;
+use std::path::PathBuf;
+use terrane_planet::planet::Planet;
+use terrane_planet::sphere::place_of;
+use terrane_planet::store::{PatchRecord, PlanetFile, FORMAT_VERSION};
+
+/// Say what a planet file holds.
+#[derive(clap::Args)]
+pub(crate) struct Info {
+    /// Planet file.
+    file: PathBuf,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Patches of one level.
+struct Level {
+    level: u8,
+    patches: u64,
+    whole: u64,
+    geometry: u64,
+    texture: u64,
+}
+
+fn levels(index: &[PatchRecord]) -> Vec<Level> {
+    let mut levels: Vec<Level> = Vec::new();
+    for record in index {
+        if levels.last().is_none_or(|l| l.level != record.id.level) {
+            let level = record.id.level;
+            levels.push(Level { level, patches: 0, whole: 6 << (2 * level), geometry: 0, texture: 0 });
+        }
+        if let Some(level) = levels.last_mut() {
+            level.patches += 1;
+            level.geometry += u64::from(record.geometry_bytes);
+            level.texture += u64::from(record.texture_bytes);
+        }
+    }
+    levels
+}
+
+impl Run for Info {
+    fn run(self) -> anyhow::Result<Outcome> {
+        let file = PlanetFile::open(&self.file)?;
+        let (header, levels, regions) = (file.header(), levels(&file.index()?), file.regions()?);
+        let planet = Planet::from_header(header)?;
+        let patches: u64 = levels.iter().map(|l| l.patches).sum();
+        let vertices = patches * u64::from(header.cells + 1).pow(2);
+        let geometry: u64 = levels.iter().map(|l| l.geometry).sum();
+        let texture: u64 = levels.iter().map(|l| l.texture).sum();
+        let bytes_per_vertex = geometry as f64 / vertices.max(1) as f64;
+        if self.json {
+            let level = |l: &Level| {
+                json!({ "level": l.level, "patches": l.patches, "whole_planet": l.whole,
+                    "geometry_bytes": l.geometry, "texture_bytes": l.texture })
+            };
+            let region = |r: &terrane_planet::bake::Region| {
+                let (latitude, longitude) = place_of(r.direction);
+                json!({ "latitude": latitude, "longitude": longitude, "radius_km": r.radius_m / 1e3, "to_level": r.to_level })
+            };
+            let info = json!({
+                "name": header.name, "format_version": FORMAT_VERSION, "radius_m": planet.recipe.radius, "cells": header.cells,
+                "lattice_unit_m": header.lattice.unit, "lowest_m": header.height_range[0], "highest_m": header.height_range[1],
+                "patches": patches, "vertices": vertices, "geometry_bytes": geometry, "texture_bytes": texture,
+                "bytes_per_vertex": bytes_per_vertex, "levels": levels.iter().map(level).collect::<Vec<_>>(),
+                "regions": regions.iter().map(region).collect::<Vec<_>>(),
+            });
+            println!("{info}");
+            return Ok(Outcome::Done);
+        }
+        println!("{}: format version {FORMAT_VERSION}", header.name);
+        println!("radius {} m, lattice unit {} m, {} cells along a patch side", planet.recipe.radius, header.lattice.unit, header.cells);
+        println!("terrain within {:.0} m and {:.0} m", header.height_range[0], header.height_range[1]);
+        println!("{patches} patches, geometry {geometry} bytes ({bytes_per_vertex:.2} a vertex), texture {texture} bytes");
+        for l in &levels {
+            println!("  level {:2}: {} of {} patches", l.level, l.patches, l.whole);
+        }
+        for region in &regions {
+            let (latitude, longitude) = place_of(region.direction);
+            println!("region {latitude:.4}, {longitude:.4}: {} km, to level {}", region.radius_m / 1e3, region.to_level);
+        }
+        Ok(Outcome::Done)
+    }
+}

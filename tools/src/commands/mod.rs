@@ -1,0 +1,33 @@
+//! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], and one line here.
+
+use crate::Outcome;
+
+/// A subcommand with its arguments.
+pub(crate) trait Run {
+    /// Does it. Results go to stdout, everything else to stderr.
+    fn run(self) -> anyhow::Result<Outcome>;
+}
+
+macro_rules! commands {
+    ($($file:ident => $name:ident),* $(,)?) => {
+        $(mod $file;)*
+
+        /// All subcommands; their help is that of their argument structs.
+        #[derive(clap::Subcommand)]
+        pub(crate) enum Command {
+            $(#[allow(missing_docs, reason = "a doc comment here would replace the help text")] $name($file::$name),)*
+        }
+
+        impl Command {
+            /// Runs the one that was given.
+            pub(crate) fn run(self) -> anyhow::Result<Outcome> {
+                match self { $(Command::$name(command) => command.run(),)* }
+            }
+        }
+    };
+}
+
+commands! {
+    bake => Bake,
+    info => Info,
+}
