@@ -1,5 +1,8 @@
 //! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], and one line here.
 
+mod pictures;
+mod viewing;
+
 use crate::Outcome;
 
 /// A subcommand with its arguments.
@@ -30,4 +33,5 @@ macro_rules! commands {
 commands! {
     bake => Bake,
     info => Info,
+    shot => Shot,
 }

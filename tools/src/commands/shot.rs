@@ -1,0 +1,86 @@
+//! `terrane shot`: one still picture.
+
+use super::viewing::{CameraOptions, GpuOptions, LookOptions};
+use super::{pictures, Run};
+use crate::Outcome;
+use anyhow::Context as _;
+use serde_json::json;
+use std::path::PathBuf;
+use std::time::Instant;
+use terrane::frame::STAGES;
+use terrane::headless::{FrameReport, Headless};
+use terrane::scene::{Scene, SceneOptions};
+use terrane_planet::view::View;
+
+/// Render one picture of a planet without a window.
+#[derive(clap::Args)]
+pub(crate) struct Shot {
+    /// Planet file.
+    file: PathBuf,
+    #[command(flatten)]
+    camera: CameraOptions,
+    #[command(flatten)]
+    look: LookOptions,
+    /// PNG to write.
+    #[arg(long)]
+    out: PathBuf,
+    #[command(flatten)]
+    gpu: GpuOptions,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Run for Shot {
+    fn run(self) -> anyhow::Result<Outcome> {
+        let begun = Instant::now();
+        let context = self.gpu.context()?;
+        let mut scene = Scene::open(&context, &self.file, SceneOptions::default())?;
+        let camera = self.camera.camera(scene.planet())?;
+        let view = View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error);
+        let look = self.look.look(self.camera.place());
+        let cut = scene.settle(&view)?;
+        let [width, height] = camera.size;
+        let mut headless = Headless::new(&context, (width, height))?;
+        let settled = Instant::now();
+        let report = headless.render(&scene, &view, &cut, &look)?;
+        let frame_ms = settled.elapsed().as_secs_f64() * 1e3;
+        pictures::write_png(&self.out, camera.size, &headless.pixels()?)
+            .with_context(|| format!("cannot write the picture {}", self.out.display()))?;
+        let ready_ms = settled.duration_since(begun).as_secs_f64() * 1e3;
+        if self.json {
+            let info = context.device_info();
+            println!("{}", summary(&report, info, &self.out, frame_ms, ready_ms, &view));
+        } else {
+            println!(
+                "{}: {} patches, {} awake vertices, {} triangles, {frame_ms:.0} ms",
+                self.out.display(),
+                report.tables.patches.len(),
+                report.counters.awake,
+                report.counters.wanted
+            );
+        }
+        self.gpu.report_messages(&context)?;
+        Ok(Outcome::Done)
+    }
+}
+
+fn summary(
+    report: &FrameReport,
+    gpu: &terrane::vulkan::GpuInfo,
+    out: &std::path::Path,
+    frame_ms: f64,
+    ready_ms: f64,
+    view: &View,
+) -> serde_json::Value {
+    let stages: serde_json::Map<_, _> =
+        STAGES.iter().filter_map(|stage| Some(((*stage).to_owned(), json!(report.times.ms(stage)?)))).collect();
+    json!({
+        "picture": out, "device": gpu.name, "driver": gpu.driver, "driver_info": gpu.driver_info,
+        "patches": report.tables.patches.len(), "awake_vertices": report.counters.awake,
+        "prefix_vertices": report.tables.vertices, "candidate_triangles": report.tables.triangles,
+        "triangles": report.counters.wanted, "dropped_triangles": report.counters.wanted.saturating_sub(report.counters.capacity),
+        "certified": view.scale >= 1.0, "scale": view.scale,
+        "stages_gpu_ms": stages, "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,
+    })
+}

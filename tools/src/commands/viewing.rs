@@ -1,0 +1,165 @@
+//! Options that the rendering commands share: which GPU, where the camera is, how the picture looks.
+
+use anyhow::{bail, ensure};
+use glam::DVec3;
+use std::sync::Arc;
+use terrane::frame::{sun_over, Look, DAYLIGHT};
+use terrane::vulkan::{Context, ContextOptions, GpuChoice};
+use terrane_planet::layout::Mode;
+use terrane_planet::planet::Planet;
+use terrane_planet::sphere::direction_at;
+use terrane_planet::view::{Camera, TOLERANCE_RANGE};
+
+/// Largest side of a picture in pixels (the smallest limit that Vulkan guarantees is 4,096; most devices allow this).
+const LARGEST_SIDE: u32 = 16_384;
+
+/// Where the sun stands over the place in view unless told otherwise: azimuth and elevation in degrees.
+const DEFAULT_SUN: [f64; 2] = [135.0, 35.0];
+
+/// Which GPU to use.
+#[derive(clap::Args, Clone)]
+pub(crate) struct GpuOptions {
+    /// GPU to use: its number or part of its name, as `terrane gpus` lists them.
+    #[arg(long, value_name = "N|NAME")]
+    gpu: Option<String>,
+    /// Run the Vulkan validation layer, with synchronization validation; any message is an error.
+    #[arg(long)]
+    validate: bool,
+}
+
+impl GpuOptions {
+    /// What to create a context with.
+    pub(crate) fn options(&self) -> ContextOptions {
+        let gpu = match &self.gpu {
+            None => GpuChoice::Auto,
+            Some(text) => text.parse().map_or_else(|_| GpuChoice::Name(text.clone()), GpuChoice::Index),
+        };
+        ContextOptions { gpu, validation: self.validate }
+    }
+
+    /// A context without a window.
+    pub(crate) fn context(&self) -> anyhow::Result<Arc<Context>> {
+        Ok(Context::new(&self.options())?)
+    }
+
+    /// Fails if validation had anything to say.
+    pub(crate) fn report_messages(&self, context: &Context) -> anyhow::Result<()> {
+        let messages = context.messages();
+        for message in &messages {
+            eprintln!("validation: {message:?}");
+        }
+        ensure!(messages.is_empty(), "{} validation messages, see above", messages.len());
+        Ok(())
+    }
+}
+
+/// Where the camera is and what it resolves.
+#[derive(clap::Args, Clone)]
+pub(crate) struct CameraOptions {
+    /// Latitude and longitude in degrees, and metres above the ground or the sea there.
+    #[arg(long, value_name = "LAT,LON,ALT_M", value_parser = numbers::<3>, allow_hyphen_values = true)]
+    at: [f64; 3],
+    /// Degrees clockwise from north, and degrees above the horizontal; by default towards the horizon, or down from afar.
+    #[arg(long, value_name = "HEADING,PITCH", value_parser = numbers::<2>, allow_hyphen_values = true)]
+    look: Option<[f64; 2]>,
+    /// Vertical field of view in degrees.
+    #[arg(long, value_name = "DEG", default_value_t = 50.0)]
+    fov: f64,
+    /// Picture size in pixels.
+    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
+    size: [u32; 2],
+    /// Largest error of the mesh in pixels.
+    #[arg(long, value_name = "PX", default_value_t = 1.0)]
+    pub(crate) error: f64,
+}
+
+impl CameraOptions {
+    /// Unit vector to the place under the camera.
+    pub(crate) fn place(&self) -> DVec3 {
+        direction_at(self.at[0], self.at[1])
+    }
+
+    /// The camera over a planet.
+    pub(crate) fn camera(&self, planet: &Planet) -> anyhow::Result<Camera> {
+        let [latitude, longitude, altitude] = self.at;
+        ensure!((-90.0..=90.0).contains(&latitude), "--at: latitude {latitude} is not within -90 and 90 degrees");
+        ensure!((-360.0..=360.0).contains(&longitude), "--at: longitude {longitude} is not within -360 and 360 degrees");
+        ensure!((1.0..=20.0).contains(&(self.fov / 7.0)), "--fov: {} is not within 7 and 140 degrees", self.fov);
+        let (least, most) = TOLERANCE_RANGE;
+        ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
+        ensure!((0.5..=1e9).contains(&altitude), "--at: altitude {altitude} is not within 0.5 and 1e9 metres");
+        let place = self.place();
+        let ground = planet.terrain.height(place);
+        let surface = planet.recipe.sea.as_ref().map_or(ground, |sea| ground.max(sea.level_m));
+        let position = place * (planet.recipe.radius + surface + altitude);
+        let [heading, pitch] = self.look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude, self.fov)]);
+        ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
+        Ok(Camera::looking(position, heading, pitch, self.fov.to_radians(), self.size))
+    }
+}
+
+/// Pitch that puts the horizon into the upper third of the picture; straight down where the whole planet fits into it.
+fn default_pitch(radius: f64, altitude: f64, fov: f64) -> f64 {
+    let dip = (radius / (radius + altitude)).acos().to_degrees();
+    let angular_radius = 90.0 - dip;
+    if angular_radius < fov * 0.75 { -90.0 } else { -(dip + fov * 0.2).min(90.0) }
+}
+
+/// What is drawn.
+#[derive(clap::ValueEnum, Clone, Copy)]
+enum ModeOption {
+    Shaded,
+    Wire,
+    Levels,
+    Normals,
+    Albedo,
+    Depth,
+}
+
+/// How the picture looks.
+#[derive(clap::Args, Clone)]
+pub(crate) struct LookOptions {
+    /// What is drawn.
+    #[arg(long, value_enum, default_value = "shaded")]
+    mode: ModeOption,
+    /// Where the sun stands over the place below the camera: degrees clockwise from north, and above the horizon.
+    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = numbers::<2>, allow_hyphen_values = true)]
+    sun: Option<[f64; 2]>,
+    /// Factor on the brightness of the picture.
+    #[arg(long, default_value_t = 1.0)]
+    exposure: f32,
+}
+
+impl LookOptions {
+    /// The look of a picture over a place.
+    pub(crate) fn look(&self, place: DVec3) -> Look {
+        let [azimuth, elevation] = self.sun.unwrap_or(DEFAULT_SUN);
+        let mode = match self.mode {
+            ModeOption::Shaded => Mode::Shaded,
+            ModeOption::Wire => Mode::Wire,
+            ModeOption::Levels => Mode::Levels,
+            ModeOption::Normals => Mode::Normals,
+            ModeOption::Albedo => Mode::Albedo,
+            ModeOption::Depth => Mode::Depth,
+        };
+        Look { mode, sun: sun_over(place, azimuth, elevation), exposure: DAYLIGHT * self.exposure }
+    }
+}
+
+/// Parses numbers separated by commas.
+pub(crate) fn numbers<const N: usize>(text: &str) -> anyhow::Result<[f64; N]> {
+    let parsed: Result<Vec<f64>, _> = text.split(',').map(|part| part.trim().parse::<f64>()).collect();
+    match parsed.ok().and_then(|v| <[f64; N]>::try_from(v).ok()).filter(|v| v.iter().all(|x| x.is_finite())) {
+        Some(values) => Ok(values),
+        None => bail!("'{text}' is not {N} numbers separated by commas"),
+    }
+}
+
+/// Parses a size such as 1280x720.
+pub(crate) fn picture_size(text: &str) -> anyhow::Result<[u32; 2]> {
+    let sides: Option<Vec<u32>> = text.split(['x', 'X', '×']).map(|part| part.parse().ok()).collect();
+    match sides.as_deref() {
+        Some(&[width, height]) if (16..=LARGEST_SIDE).contains(&width) && (16..=LARGEST_SIDE).contains(&height) => Ok([width, height]),
+        _ => bail!("'{text}' is not a size such as 1280x720 with sides from 16 to {LARGEST_SIDE}"),
+    }
+}
