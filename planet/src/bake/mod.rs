@@ -161,6 +161,9 @@ pub fn bake(
         let outcome = receiver.iter().try_for_each(|outcome| {
             let (patch, faults) = outcome?;
             summary.add(&patch, faults, vertices);
+            if faults != Faults::default() {
+                tracing::warn!(patch = %patch.record.id, ?faults, "the builder broke its own rules");
+            }
             batch.push(patch);
             if batch.len() >= BATCH_PATCHES || written.elapsed() >= BATCH_TIME {
                 file.put(&batch)?;
