@@ -61,7 +61,7 @@ pub struct SceneOptions {
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        SceneOptions { capacity: 768, textures: true }
+        SceneOptions { capacity: 1280, textures: true }
     }
 }
 
