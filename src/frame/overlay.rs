@@ -11,10 +11,10 @@ use font8x8::legacy::BASIC_LEGACY;
 use std::sync::Arc;
 
 /// Width and height of a character in unscaled pixels.
-pub const CELL_PIXELS: (u32, u32) = (8, 10);
+const CELL_PIXELS: (u32, u32) = (8, 10);
 
 /// Most characters drawn; text past it is cut off.
-pub const MAX_CHARACTERS: usize = 4096;
+const MAX_CHARACTERS: usize = 4096;
 
 /// Columns and rows that a cell's word can tell apart.
 const MOST_CELLS: usize = 1 << 10;
