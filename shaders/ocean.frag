@@ -56,10 +56,11 @@ void main() {
     vec3 ray = view_direction / stretch;
     vec3 camera_up = normalize(light.camera);
     float t = distance_to_sea(dot(ray, camera_up));
-    if (t < 0.0) discard;
     float stored = texture(depth, in_uv).r;
     float ground = stored > 0.0 ? view.near / stored * stretch : 1e30;
-    if (t >= ground) discard;
+    // Nothing to add where no water is seen (premultiplied, so zero changes nothing).
+    out_color = vec4(0.0);
+    if (t < 0.0 || t >= ground) return;
 
     vec3 place = light.camera + ray * t;
     vec3 up = normalize(place);

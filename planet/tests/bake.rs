@@ -1,5 +1,7 @@
 //! Bake plans, and the bytes of a bake: the same for any number of threads and any interruption.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use glam::DVec3;
 use std::collections::HashSet;
 use std::path::Path;

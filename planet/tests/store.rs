@@ -1,5 +1,7 @@
 //! The planet file: what goes in comes out, and whatever else is at the path is refused by name.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use terrane_planet::bake::{bake, BakePlan, BakeSummary};
@@ -292,6 +294,25 @@ fn readers_see_whole_batches_while_a_bake_goes_on() {
     });
     assert!(counts.is_sorted() && counts.len() > 2, "{counts:?}");
     assert_eq!(PlanetFile::open(&path).unwrap().index().unwrap().len(), 126);
+}
+
+/// A process that dies within a transaction leaves a half-written file and a journal that undoes it.
+#[test]
+fn a_half_written_transaction_is_rolled_back_by_the_next_reader() {
+    let (folder, planet) = (Folder::new(), tiny(8));
+    let (path, crashed) = (folder.path("a.planet"), folder.path("crashed.planet"));
+    bake_levels(&path, &planet, 0);
+    let original = read_all(&path).unwrap();
+    let connection = rusqlite::Connection::open(&path).unwrap();
+    // With a cache of one page, changes reach the file long before the end of the transaction.
+    connection.execute_batch("PRAGMA cache_size = 1; BEGIN; UPDATE patch SET texture = zeroblob(90000)").unwrap();
+    std::fs::copy(&path, &crashed).unwrap();
+    let half_written = std::fs::read(&crashed).unwrap();
+    std::fs::copy(folder.path("a.planet-journal"), folder.path("crashed.planet-journal")).unwrap();
+    connection.execute_batch("ROLLBACK").unwrap();
+    assert_ne!(half_written, std::fs::read(&path).unwrap(), "nothing was half written");
+    assert_eq!(read_all(&crashed).unwrap(), original);
+    assert_eq!(bake_levels(&crashed, &planet, 0).skipped, 6);
 }
 
 #[test]

@@ -75,7 +75,7 @@ pub struct Scene {
     loader: Loader,
     capacity: usize,
     frame: u64,
-    /// Whether a patch was turned away in the latest update because all resident ones are in use.
+    /// Whether a patch was turned away since settling began, because all resident ones are in use.
     full: bool,
 }
 
@@ -158,7 +158,6 @@ impl Scene {
 
     fn stage_arrived(&mut self, uploads: usize) -> Result<Upload, SceneError> {
         self.frame += 1;
-        self.full = false;
         let arrived = self.loader.take(uploads)?;
         self.stage(arrived)
     }
@@ -173,6 +172,7 @@ impl Scene {
 
     /// Updates until everything the view wants is resident (or nothing more fits), and returns the final cut.
     pub fn settle(&mut self, view: &View) -> Result<Cut, SceneError> {
+        self.full = false;
         loop {
             let cut = self.update(view, usize::MAX)?;
             if cut.wanted.is_empty() {
@@ -182,6 +182,7 @@ impl Scene {
                 tracing::warn!(capacity = self.capacity, "the view wants more patches than fit: the picture is coarser");
                 return Ok(cut);
             }
+            tracing::debug!(wanted = cut.wanted.len(), resident = self.resident.len(), "settling");
             let arrived = self.loader.wait(Duration::from_secs(60))?;
             self.upload(arrived)?;
         }

@@ -15,7 +15,7 @@ pub struct TexturePool {
     pub slopes: Image,
     /// Albedo.
     pub albedo: Image,
-    /// Trilinear, clamped, anisotropic where the device can.
+    /// Trilinear, clamped.
     pub sampler: Sampler,
     free: Vec<u32>,
 }
@@ -35,7 +35,7 @@ impl TexturePool {
             commands.transition(slopes.view(), Access::Undefined, Access::Sampled)?;
             commands.transition(albedo.view(), Access::Undefined, Access::Sampled)
         })?;
-        let sampler = Sampler::new(context, "ground", &SamplerDescription { anisotropy: 4.0, ..SamplerDescription::default() })?;
+        let sampler = Sampler::new(context, "ground", &SamplerDescription::default())?;
         Ok(TexturePool { slopes, albedo, sampler, free: (0..layers).rev().collect() })
     }
 

@@ -1,5 +1,7 @@
 //! `terrane bake` and `terrane info` as processes: exit codes, messages, and bytes that outlive a kill.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};

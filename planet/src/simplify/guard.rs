@@ -25,7 +25,7 @@ impl Guard {
     /// Whether v → p leaves every border vertex in `ring` able to fall, visibly and within its wake.
     pub fn allows(&mut self, state: &State, v: u32, p: u32, ring: &[u32], kappa: f64) -> bool {
         let is_border = |&b: &u32| state.kind(b) == Kind::Border;
-        if !ring.iter().any(|b| is_border(b)) {
+        if !ring.iter().any(&is_border) {
             return true;
         }
         for &beta in ring.iter().filter(|b| is_border(b)) {

@@ -1,7 +1,8 @@
 //! What can be wrong with a planet file or with one of its records.
 
 use crate::patch::PatchId;
-use std::path::PathBuf;
+use rusqlite::ErrorCode;
+use std::path::{Path, PathBuf};
 use thiserror::Error;
 
 /// What is wrong with the bytes of one patch record.
@@ -162,4 +163,29 @@ pub enum StoreError {
         /// The planet file.
         file: PathBuf,
     },
+}
+
+/// Sorts SQLite's errors: those that damage explains, and those of the system around the file.
+pub(super) fn failure(path: &Path, action: &'static str, source: rusqlite::Error) -> StoreError {
+    use rusqlite::ffi::SQLITE_IOERR_SHORT_READ;
+    let damage = match &source {
+        rusqlite::Error::SqliteFailure(error, _) => {
+            let damaged = matches!(
+                error.code,
+                ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase | ErrorCode::Unknown | ErrorCode::TooBig
+            );
+            damaged || error.extended_code == SQLITE_IOERR_SHORT_READ
+        }
+        rusqlite::Error::SqlInputError { .. } | rusqlite::Error::QueryReturnedNoRows => true,
+        rusqlite::Error::InvalidColumnType(..)
+        | rusqlite::Error::IntegralValueOutOfRange(..)
+        | rusqlite::Error::Utf8Error(..) => true,
+        rusqlite::Error::FromSqlConversionFailure(..) => true,
+        _ => false,
+    };
+    if damage {
+        StoreError::Damaged { file: path.to_owned(), what: format!("cannot {action}: {source}") }
+    } else {
+        StoreError::Database { file: path.to_owned(), action, source }
+    }
 }

@@ -66,7 +66,7 @@ fn side(cells: u32) -> Result<usize, RecordError> {
 
 fn predicted(plane: &[u8], k: usize, side: usize) -> u8 {
     // The first row and column have one neighbour, which then stands for all three.
-    match (k % side > 0, k >= side) {
+    match (!k.is_multiple_of(side), k >= side) {
         (true, true) => median_edge(plane[k - 1], plane[k - side], plane[k - side - 1]),
         (true, false) => plane[k - 1],
         (false, true) => plane[k - side],

@@ -3,15 +3,19 @@
 //! In: built patches. Out: the same patches, bit for bit, or a typed error that names the file and the patch. Patches travel as
 //! self-contained records ([`record`]): versioned, checksummed, one compressed stream a field ([`geometry`], [`imagery`]).
 
-pub mod error;
+mod baked;
+mod error;
 pub mod geometry;
+mod header;
 pub mod imagery;
-pub mod planet_file;
-pub mod predict;
+mod planet_file;
+mod predict;
 pub mod record;
 mod rows;
 mod schema;
 
+pub use baked::{BakedPatch, PatchRecord};
 pub use error::{RecordError, StoreError};
-pub use planet_file::{BakedPatch, PatchRecord, PlanetFile, PlanetHeader};
+pub use header::PlanetHeader;
+pub use planet_file::PlanetFile;
 pub use schema::{APPLICATION_ID, FORMAT_VERSION};

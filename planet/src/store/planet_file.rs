@@ -4,14 +4,14 @@
 //! file cleans up. Reading and writing may go on at once from several processes; a [`PlanetFile`] itself belongs to one thread
 //! at a time, and every reader opens its own.
 
-use super::error::{RecordError, StoreError};
-use super::schema::{check_stamp, APPLICATION_ID, FORMAT_VERSION, TABLES};
+use super::baked::{BakedPatch, PatchRecord};
+use super::error::{failure, RecordError, StoreError};
+use super::header::{self, PlanetHeader};
+use super::schema::check_stamp;
 use super::{geometry, imagery, rows};
 use crate::bake::Region;
-use crate::lattice::{Lattice, LatticeBox};
 use crate::patch::PatchId;
 use crate::progressive::PatchMesh;
-use crate::recipe::Asset;
 use crate::texture::PatchTexture;
 use glam::DVec3;
 use rusqlite::{params, Connection, ErrorCode, OpenFlags, OptionalExtension, TransactionBehavior};
@@ -21,80 +21,6 @@ use std::time::Duration;
 
 /// How long to wait for another process to finish a transaction.
 const BUSY: Duration = Duration::from_secs(20);
-
-/// Bytes a database page: patches are hundreds of kilobytes, so pages are larger than SQLite's default.
-const PAGE_BYTES: u32 = 8192;
-
-/// What a planet file says about its planet.
-#[derive(Clone, Debug, PartialEq)]
-pub struct PlanetHeader {
-    /// Name of the planet.
-    pub name: String,
-    /// Text of the recipe.
-    pub recipe: String,
-    /// Files that the recipe names.
-    pub assets: Vec<Asset>,
-    /// Grid cells along a patch side.
-    pub cells: u32,
-    /// Lattice of the planet.
-    pub lattice: Lattice,
-    /// Heights in metres that no point of the terrain lies below or above.
-    pub height_range: [f64; 2],
-}
-
-/// What is known of a stored patch without reading it.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PatchRecord {
-    /// Which patch.
-    pub id: PatchId,
-    /// Box around all vertices.
-    pub bounds: LatticeBox,
-    /// Lowest and highest vertex, lattice units above the datum.
-    pub heights: [i32; 2],
-    /// Largest radial distance in lattice units of the next level's samples from this patch's full grid.
-    pub deviation: f64,
-    /// Largest own wake of the odd vertices on the parent's boundary, in lattice units.
-    pub odd_wake: f64,
-    /// Number of vertices that never collapse.
-    pub always_awake: u32,
-    /// Size of the geometry record.
-    pub geometry_bytes: u32,
-    /// Size of the texture record.
-    pub texture_bytes: u32,
-}
-
-/// A patch as it goes into the file.
-#[derive(Clone, Debug, PartialEq)]
-pub struct BakedPatch {
-    /// What the index holds of it.
-    pub record: PatchRecord,
-    /// Geometry record.
-    pub geometry: Vec<u8>,
-    /// Texture record.
-    pub texture: Vec<u8>,
-}
-
-impl BakedPatch {
-    /// Encodes a patch. A pure function; the costly part of storing, so it runs on the builder's threads.
-    ///
-    /// # Errors
-    /// For a mesh or texture that breaks the builder's promises.
-    pub fn new(mesh: &PatchMesh, texture: &PatchTexture) -> Result<BakedPatch, RecordError> {
-        let geometry = geometry::encode(mesh)?;
-        let texture = imagery::encode(texture, mesh.id, mesh.cells)?;
-        let record = PatchRecord {
-            id: mesh.id,
-            bounds: mesh.bounds,
-            heights: mesh.heights,
-            deviation: mesh.deviation,
-            odd_wake: mesh.odd_wake,
-            always_awake: mesh.always_awake() as u32,
-            geometry_bytes: geometry.len() as u32,
-            texture_bytes: texture.len() as u32,
-        };
-        Ok(BakedPatch { record, geometry, texture })
-    }
-}
 
 /// An open planet file.
 #[derive(Debug)]
@@ -112,11 +38,11 @@ impl PlanetFile {
     /// If the path cannot be written, or holds anything but a sound planet file of the same planet and grid.
     pub fn create_or_resume(path: &Path, header: &PlanetHeader) -> Result<PlanetFile, StoreError> {
         if !path.exists() {
-            create(path, header)?;
+            header::create(path, header)?;
         }
         check_stamp(path)?;
         let file = PlanetFile::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE, true)?;
-        file.check_same(header)?;
+        header::check_same(path, &file.header, header)?;
         Ok(file)
     }
 
@@ -139,7 +65,7 @@ impl PlanetFile {
         let failed = |source| failure(path, "open the planet file", source);
         let connection = Connection::open_with_flags(path, access | OpenFlags::SQLITE_OPEN_NO_MUTEX).map_err(failed)?;
         prepare(&connection).map_err(failed)?;
-        let header = read_header(&connection, path)?;
+        let header = header::read(&connection, path)?;
         Ok(PlanetFile { connection, path: path.to_owned(), header, writable })
     }
 
@@ -327,29 +253,6 @@ impl PlanetFile {
         transaction.commit().map_err(failed)
     }
 
-    fn check_same(&self, expected: &PlanetHeader) -> Result<(), StoreError> {
-        let found = &self.header;
-        let size = |assets: &[Asset]| {
-            assets.iter().map(|a| format!("{} ({} bytes)", a.name, a.bytes.len())).collect::<Vec<_>>().join(", ")
-        };
-        let range = |h: &PlanetHeader| format!("{:?} m", h.height_range);
-        let lattice = |h: &PlanetHeader| format!("unit {} m, radius {} units", h.lattice.unit, h.lattice.radius);
-        let text = |h: &PlanetHeader| {
-            format!("'{}', {} bytes, checksum {:08x}", h.name, h.recipe.len(), crc32fast::hash(h.recipe.as_bytes()))
-        };
-        let differs = [
-            (found.cells != expected.cells, "cells along a patch side", found.cells.to_string(), expected.cells.to_string()),
-            (found.recipe != expected.recipe || found.name != expected.name, "the recipe", text(found), text(expected)),
-            (found.assets != expected.assets, "the recipe's files", size(&found.assets), size(&expected.assets)),
-            (found.lattice != expected.lattice, "the lattice", lattice(found), lattice(expected)),
-            (found.height_range != expected.height_range, "the height range", range(found), range(expected)),
-        ];
-        match differs.into_iter().find(|d| d.0) {
-            None => Ok(()),
-            Some((_, what, found, expected)) => Err(StoreError::Differs { file: self.path.clone(), what, found, expected }),
-        }
-    }
-
     fn damaged(&self, what: String) -> StoreError {
         StoreError::Damaged { file: self.path.clone(), what }
     }
@@ -359,155 +262,8 @@ impl PlanetFile {
     }
 }
 
-/// Makes an empty planet file beside `path` and moves it there when it is complete, so that `path` never holds half a file.
-fn create(path: &Path, header: &PlanetHeader) -> Result<(), StoreError> {
-    let mut name = path.as_os_str().to_owned();
-    name.push(".new");
-    let draft = PathBuf::from(name);
-    let system = |action| move |source| StoreError::System { file: path.to_owned(), action, source };
-    std::fs::File::create(&draft).map_err(system("create the planet file"))?;
-    let written = write_header(&draft, header).map_err(|source| failure(path, "write the planet file", source));
-    let moved = written.and_then(|()| std::fs::rename(&draft, path).map_err(system("move the new planet file into place")));
-    if moved.is_err() {
-        // The first error is the one to report; a draft left behind is overwritten by the next attempt.
-        let _ = std::fs::remove_file(&draft);
-    }
-    moved
-}
-
-fn write_header(draft: &Path, header: &PlanetHeader) -> rusqlite::Result<()> {
-    let mut connection = Connection::open_with_flags(draft, OpenFlags::SQLITE_OPEN_READ_WRITE)?;
-    connection.pragma_update(None, "page_size", PAGE_BYTES)?;
-    connection.pragma_update(None, "application_id", APPLICATION_ID)?;
-    connection.pragma_update(None, "user_version", FORMAT_VERSION)?;
-    let transaction = connection.transaction()?;
-    transaction.execute_batch(TABLES)?;
-    let (lattice, [lowest, highest]) = (header.lattice, header.height_range);
-    let checksum = header_checksum(header, crate::KAPPA, crate::DEVIATION_SHARE);
-    transaction.execute(
-        "INSERT INTO planet VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)",
-        params![
-            header.name,
-            header.recipe,
-            header.cells,
-            crate::KAPPA,
-            crate::DEVIATION_SHARE,
-            lattice.unit,
-            lattice.radius,
-            lowest,
-            highest,
-            checksum
-        ],
-    )?;
-    for (place, asset) in header.assets.iter().enumerate() {
-        transaction.execute("INSERT INTO asset VALUES (?1, ?2, ?3)", params![place as i64, asset.name, asset.bytes])?;
-    }
-    transaction.commit()?;
-    connection.close().map_err(|(_, source)| source)
-}
-
 fn prepare(connection: &Connection) -> rusqlite::Result<()> {
     connection.busy_timeout(BUSY)?;
     connection.pragma_update(None, "trusted_schema", false)?;
     connection.pragma_update(None, "cell_size_check", true)
-}
-
-fn header_checksum(header: &PlanetHeader, kappa: f64, deviation_share: f64) -> u32 {
-    let mut hasher = crc32fast::Hasher::new();
-    let mut add = |bytes: &[u8]| {
-        hasher.update(&(bytes.len() as u64).to_le_bytes());
-        hasher.update(bytes);
-    };
-    add(header.name.as_bytes());
-    add(header.recipe.as_bytes());
-    for asset in &header.assets {
-        add(asset.name.as_bytes());
-        add(&asset.bytes);
-    }
-    add(&header.cells.to_le_bytes());
-    let [lowest, highest] = header.height_range;
-    for number in [kappa, deviation_share, header.lattice.unit, header.lattice.radius, lowest, highest] {
-        add(&number.to_le_bytes());
-    }
-    hasher.finalize()
-}
-
-fn read_header(connection: &Connection, path: &Path) -> Result<PlanetHeader, StoreError> {
-    let failed = |source| failure(path, "read the planet's description", source);
-    let damaged = |what: String| StoreError::Damaged { file: path.to_owned(), what };
-    let moment = connection.unchecked_transaction().map_err(failed)?;
-    check_length(&moment, path)?;
-    let query = "SELECT name, recipe, cells, kappa, deviation_share, lattice_unit, lattice_radius, lowest_m, highest_m, checksum FROM planet";
-    let read = |row: &rusqlite::Row| {
-        let header = PlanetHeader {
-            name: row.get(0)?,
-            recipe: row.get(1)?,
-            assets: Vec::new(),
-            cells: row.get(2)?,
-            lattice: Lattice { unit: row.get(5)?, radius: row.get(6)? },
-            height_range: [row.get(7)?, row.get(8)?],
-        };
-        Ok((header, row.get::<_, f64>(3)?, row.get::<_, f64>(4)?, row.get::<_, u32>(9)?))
-    };
-    let (mut header, kappa, share, expected) = moment.query_row(query, [], read).map_err(failed)?;
-    let asset = |row: &rusqlite::Row| Ok(Asset { name: row.get(0)?, bytes: row.get(1)? });
-    let mut statement = moment.prepare("SELECT name, bytes FROM asset ORDER BY place").map_err(failed)?;
-    header.assets = statement.query_map([], asset).and_then(Iterator::collect).map_err(failed)?;
-    let found = header_checksum(&header, kappa, share);
-    if found != expected {
-        return Err(damaged(format!("the planet's description has checksum {found:08x}, expected {expected:08x}")));
-    }
-    if !geometry::cells_are_valid(header.cells) {
-        return Err(damaged(format!("{} cells along a patch side", header.cells)));
-    }
-    if (kappa, share) != (crate::KAPPA, crate::DEVIATION_SHARE) {
-        let expected = format!("{} with share {}", crate::KAPPA, crate::DEVIATION_SHARE);
-        let found = format!("{kappa} with share {share}");
-        return Err(StoreError::Differs { file: path.to_owned(), what: "the coarsest tolerance", found, expected });
-    }
-    Ok(header)
-}
-
-/// Refuses a file that is shorter than its own page count; within a transaction, so that no writer is half way.
-fn check_length(moment: &Connection, path: &Path) -> Result<(), StoreError> {
-    let failed = |source| failure(path, "read the planet's description", source);
-    // Any read takes the lock.
-    moment.query_row("SELECT count(*) FROM sqlite_schema", [], |_| Ok(())).map_err(failed)?;
-    let number = |name: &str| moment.pragma_query_value(None, name, |row| row.get::<_, i64>(0)).map_err(failed);
-    let expected = number("page_count")?.saturating_mul(number("page_size")?);
-    let length = std::fs::metadata(path).map_err(|source| StoreError::System {
-        file: path.to_owned(),
-        action: "measure the planet file",
-        source,
-    })?;
-    if (length.len() as i64) < expected {
-        let what = format!("cut short: {} bytes, expected {expected}", length.len());
-        return Err(StoreError::Damaged { file: path.to_owned(), what });
-    }
-    Ok(())
-}
-
-/// Sorts SQLite's errors: those that damage explains, and those of the system around the file.
-fn failure(path: &Path, action: &'static str, source: rusqlite::Error) -> StoreError {
-    use rusqlite::ffi::SQLITE_IOERR_SHORT_READ;
-    let damage = match &source {
-        rusqlite::Error::SqliteFailure(error, _) => {
-            let damaged = matches!(
-                error.code,
-                ErrorCode::DatabaseCorrupt | ErrorCode::NotADatabase | ErrorCode::Unknown | ErrorCode::TooBig
-            );
-            damaged || error.extended_code == SQLITE_IOERR_SHORT_READ
-        }
-        rusqlite::Error::SqlInputError { .. } | rusqlite::Error::QueryReturnedNoRows => true,
-        rusqlite::Error::InvalidColumnType(..)
-        | rusqlite::Error::IntegralValueOutOfRange(..)
-        | rusqlite::Error::Utf8Error(..) => true,
-        rusqlite::Error::FromSqlConversionFailure(..) => true,
-        _ => false,
-    };
-    if damage {
-        StoreError::Damaged { file: path.to_owned(), what: format!("cannot {action}: {source}") }
-    } else {
-        StoreError::Database { file: path.to_owned(), action, source }
-    }
 }

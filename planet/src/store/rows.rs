@@ -1,7 +1,7 @@
 //! Patches as rows of the patch table: keys, metadata and the checksum over both.
 
+use super::baked::PatchRecord;
 use super::geometry::measures_are_valid;
-use super::planet_file::PatchRecord;
 use crate::lattice::LatticeBox;
 use crate::patch::PatchId;
 use crate::sphere::Face;

@@ -73,7 +73,10 @@ impl Run for Info {
             return Ok(Outcome::Done);
         }
         println!("{}: format version {FORMAT_VERSION}", header.name);
-        println!("radius {} m, lattice unit {} m, {} cells along a patch side", planet.recipe.radius, header.lattice.unit, header.cells);
+        println!(
+            "radius {} m, lattice unit {} m, {} cells along a patch side",
+            planet.recipe.radius, header.lattice.unit, header.cells
+        );
         println!("terrain within {:.0} m and {:.0} m", header.height_range[0], header.height_range[1]);
         println!("{patches} patches, geometry {geometry} bytes ({bytes_per_vertex:.2} a vertex), texture {texture} bytes");
         for l in &levels {
