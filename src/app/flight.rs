@@ -14,14 +14,26 @@ use terrane_planet::layout::{EmitState, Mode};
 use terrane_planet::view::View;
 use winit::window::Window;
 
-/// Patches taken in each frame: about 3 MB, a few milliseconds at worst.
-const UPLOADS_PER_FRAME: usize = 6;
+/// Patches taken in each frame, half a megabyte each: the first for frames that keep up with the screen; slow frames take more, so
+/// that a slow device does not stay coarse for minutes.
+const UPLOADS_PER_FRAME: (usize, usize) = (6, 36);
+/// Patches taken in a second between these limits.
+const UPLOADS_PER_SECOND: f64 = 120.0;
 /// Longest time in seconds that one frame moves the viewer on by, however long it took.
 const LONGEST_FRAME: f64 = 0.25;
 /// Radians that the sun moves along its daily course with each key press.
 const SUN_STEP: f64 = 0.05;
 /// Windows at least this wide have text of twice the size.
 const WIDE: u32 = 1000;
+
+/// Whether the selection follows the viewer.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Selection {
+    Follows,
+    /// The next frame emits the whole mesh once more, without culling, to be seen from all sides.
+    Freezes,
+    Frozen,
+}
 
 /// Everything that a window needs.
 pub(super) struct Flight {
@@ -37,7 +49,9 @@ pub(super) struct Flight {
     tolerance: f64,
     /// Of the latest frame; while frozen, of the frame that stays.
     tables: Option<FrameTables>,
-    frozen: bool,
+    selection: Selection,
+    /// Patches that this frame may take in.
+    uploads: usize,
     screenshot_wanted: bool,
     counters: EmitState,
     begun: Option<Instant>,
@@ -64,7 +78,8 @@ impl Flight {
             look: options.look,
             tolerance: options.tolerance,
             tables: None,
-            frozen: false,
+            selection: Selection::Follows,
+            uploads: UPLOADS_PER_FRAME.0,
             screenshot_wanted: false,
             counters: EmitState::default(),
             begun: None,
@@ -95,7 +110,8 @@ impl Flight {
             Command::Show(mode) => self.look.mode = mode,
             Command::ShowNext => self.look.mode = next_mode(self.look.mode),
             Command::Toggle(mode) => self.look.mode = if self.look.mode == mode { Mode::Shaded } else { mode },
-            Command::Freeze => self.frozen = !self.frozen && self.tables.is_some(),
+            Command::Freeze if self.selection == Selection::Follows => self.selection = Selection::Freezes,
+            Command::Freeze => self.selection = Selection::Follows,
             Command::Screenshot => self.screenshot_wanted = true,
             Command::Sun(steps) => self.look.sun = DQuat::from_rotation_z(-SUN_STEP * steps) * self.look.sun,
             Command::Zoom(notches) => self.viewer.wheel(notches),
@@ -139,6 +155,7 @@ impl Flight {
         } else {
             self.begun = Some(now);
         }
+        self.uploads = ((seconds * UPLOADS_PER_SECOND) as usize).clamp(UPLOADS_PER_FRAME.0, UPLOADS_PER_FRAME.1);
         self.viewer.step(seconds.min(LONGEST_FRAME), self.scene.planet());
     }
 
@@ -147,13 +164,18 @@ impl Flight {
     fn record_mesh(&mut self, commands: &mut Commands) -> Result<(), AppError> {
         let camera = self.viewer.pose.camera(&self.viewer.lens);
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
-        if let (true, Some(tables)) = (self.frozen, &self.tables) {
+        if let (Selection::Frozen, Some(tables)) = (self.selection, &self.tables) {
             self.renderer.prepare_again(&self.scene, &view, tables, &self.look)?;
             return Ok(self.renderer.record_again(commands, &self.scene, tables)?);
         }
-        let cut = self.scene.stream(&view, UPLOADS_PER_FRAME, commands)?;
-        let tables = self.renderer.prepare(&self.scene, &view, &cut, &self.look, false)?;
+        let cut = self.scene.stream(&view, self.uploads, commands)?;
+        let freezes = self.selection == Selection::Freezes;
+        let view = if freezes { view.without_culling() } else { view };
+        let tables = self.renderer.prepare(&self.scene, &view, &cut, &self.look, freezes)?;
         self.renderer.record_mesh(commands, &self.scene, &tables)?;
+        if freezes {
+            self.selection = Selection::Frozen;
+        }
         self.tables = Some(tables);
         Ok(())
     }
@@ -165,7 +187,7 @@ impl Flight {
             patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
             device: &self.context.device_info().name,
             flying: self.viewer.flying,
-            frozen: self.frozen,
+            frozen: self.selection != Selection::Follows,
             mode: self.look.mode,
         };
         self.overlay.text(&status)

@@ -7,19 +7,20 @@ use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
 
 /// The help, as the overlay shows it.
 pub const HELP: &str = "\
-F1        this help
-Esc       quit
-Tab       orbit or free flight
-drag      orbit: move the ground; free flight: look around
-right drag  look around
-wheel, + -  orbit: zoom
-WASD Q E  free flight: move, down, up (also Ctrl, Space)
-Shift     faster
-1 to 6, M shaded, wire, levels, normals, albedo, depth; next of them
-F L       wireframe, levels
-Z         freeze the selection
-P, F12    save a picture
-[ ]       move the sun
+F1           show or hide this help
+Esc          quit
+Tab          orbit, or free flight
+drag         orbit: move the ground; free flight: look around
+right drag   look around
+wheel, + -   orbit: zoom
+WASD, Q E    free flight: move; down and up (also Ctrl and Space)
+Shift        free flight: faster
+1 to 6       shaded, wire, levels, normals, albedo, depth
+M            the next of them
+F, L         wire, levels: on and off
+Z            freeze the selection, to look at it from elsewhere
+P, F12       save a picture
+[ ]          move the sun
 ";
 
 /// The modes in the order of their keys.

@@ -55,12 +55,13 @@ impl Overlay {
         let rate = if self.frame_seconds > 0.0 { 1.0 / self.frame_seconds } else { 0.0 };
         let rate = if rate < 9.95 { format!("{rate:.1}") } else { format!("{rate:.0}") };
         let mut text = format!(
-            "{}  {rate} fps  {} triangles  {} awake  {} patches  {}\n",
+            "{}  {rate} fps  {} triangles  {} awake vertices  {} patches  {}\n",
             distance(status.height),
             count(status.counters.wanted),
             count(status.counters.awake),
             status.patches,
-            status.device
+            // What follows in brackets is about the driver.
+            status.device.split(" (").next().unwrap_or_default()
         );
         let states = [
             (status.mode != Mode::Shaded, mode_name(status.mode)),
