@@ -1,6 +1,8 @@
 //! `terrane fly` as a process, under a display of its own: it starts, obeys mouse and keys, survives resizing, saves a picture, and
 //! ends without a word from validation.
 
+#![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -15,7 +17,12 @@ const SIZE: (u32, u32) = (320, 240);
 
 fn terrane(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
-    command.args(arguments).stdin(Stdio::null()).env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("RUST_LOG");
+    command
+        .args(arguments)
+        .stdin(Stdio::null())
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .env_remove("RUST_LOG");
     command
 }
 

@@ -4,8 +4,8 @@
 
 use crate::shaders;
 use crate::vulkan::{
-    vk, Blend, Buffer, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Memory, Resource, Result, Usage,
-    FRAMES_IN_FLIGHT,
+    vk, Blend, Buffer, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Memory, Resource,
+    Result, Usage, FRAMES_IN_FLIGHT,
 };
 use font8x8::legacy::BASIC_LEGACY;
 use std::sync::Arc;

@@ -114,7 +114,11 @@ impl CameraOptions {
 fn default_pitch(radius: f64, altitude: f64, fov: f64) -> f64 {
     let dip = (radius / (radius + altitude)).acos().to_degrees();
     let angular_radius = 90.0 - dip;
-    if angular_radius < fov * 0.75 { -90.0 } else { -(dip + fov * 0.2).min(90.0) }
+    if angular_radius < fov * 0.75 {
+        -90.0
+    } else {
+        -(dip + fov * 0.2).min(90.0)
+    }
 }
 
 /// What is drawn.
@@ -171,7 +175,9 @@ pub(crate) fn numbers<const N: usize>(text: &str) -> anyhow::Result<[f64; N]> {
 pub(crate) fn picture_size(text: &str) -> anyhow::Result<[u32; 2]> {
     let sides: Option<Vec<u32>> = text.split(['x', 'X', '×']).map(|part| part.parse().ok()).collect();
     match sides.as_deref() {
-        Some(&[width, height]) if (16..=LARGEST_SIDE).contains(&width) && (16..=LARGEST_SIDE).contains(&height) => Ok([width, height]),
+        Some(&[width, height]) if (16..=LARGEST_SIDE).contains(&width) && (16..=LARGEST_SIDE).contains(&height) => {
+            Ok([width, height])
+        }
         _ => bail!("'{text}' is not a size such as 1280x720 with sides from 16 to {LARGEST_SIDE}"),
     }
 }
