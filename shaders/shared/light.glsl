@@ -11,7 +11,7 @@ const float PI = 3.14159265;
 // Irradiance of the sun outside the air, in the units that exposure maps to the display.
 const float SUN = 10.0;
 // Light that reached a point by more than one scattering, as a share of the single-scattering density.
-const float MULTIPLE = 0.12;
+const float MULTIPLE = 0.06;
 
 bool has_air() { return light.scale_height > 0.0; }
 
@@ -91,7 +91,7 @@ vec3 view_ray(vec2 uv) {
 
 // Scattered light and transmittance between two distances along a ray.
 void march(vec3 ray, float from, float to, out vec3 scattered, out vec3 transmittance) {
-    const int STEPS = 12;
+    const int STEPS = 10;
     vec3 up = normalize(light.camera);
     float cosine = dot(ray, up);
     float towards_sun = dot(ray, light.sun);

@@ -37,8 +37,8 @@ use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
 use tonemap::Tonemap;
 
-/// Names of the GPU zones of a frame, in order.
-pub const STAGES: [&str; 7] = ["select", "resolve", "emit", "draw", "ocean", "sky", "tonemap"];
+/// Names of the GPU zones of a frame, in order (`lines` only in wire mode).
+pub const STAGES: [&str; 8] = ["select", "resolve", "emit", "draw", "ocean", "lines", "sky", "tonemap"];
 
 /// Pipelines, targets and buffers of all stages.
 pub struct Renderer {
@@ -118,20 +118,25 @@ impl Renderer {
 
     /// Records the picture stages into `picture`, which is left in the layout of [`Access::ColorTarget`].
     pub fn record_picture(&self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
-        let (ground, depth, air) = (self.targets.ground.view(), self.targets.depth.view(), self.targets.scene.view());
-        let lit = matches!(look.mode, Mode::Shaded | Mode::Wire | Mode::Levels);
-        commands.transition(ground, Access::Undefined, Access::ColorTarget)?;
-        commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
-        commands.transition(air, Access::Undefined, Access::ColorTarget)?;
-        let lines = look.mode == Mode::Wire;
-        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), &self.targets, lines))?;
-        commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
-        if lit && scene.planet().recipe.sea.is_some() {
-            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
-            commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, &self.targets))?;
+        let targets = &self.targets;
+        let (ground, depth) = (targets.ground.view(), targets.depth.view());
+        let (water, air) = (targets.water.view(), targets.scene.view());
+        for color in [ground, water, air] {
+            commands.transition(color, Access::Undefined, Access::ColorTarget)?;
         }
+        commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
+        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets))?;
+        commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("sky", |c| self.sky.record(c, &self.buffers, &self.targets))?;
+        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets))?;
+        if look.mode == Mode::Wire {
+            commands.transition(depth, Access::Sampled, Access::DepthTarget)?;
+            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
+            commands.zone("lines", |c| self.draw.record_lines(c, &self.buffers, targets))?;
+            commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
+        }
+        commands.transition(water, Access::ColorTarget, Access::Sampled)?;
+        commands.zone("sky", |c| self.sky.record(c, &self.buffers, targets))?;
         commands.transition(air, Access::ColorTarget, Access::Sampled)?;
         commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, &self.targets, picture))
     }
