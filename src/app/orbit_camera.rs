@@ -8,6 +8,8 @@ use glam::DVec3;
 const ZOOM_PER_NOTCH: f64 = 0.25;
 /// Share of an outstanding zoom that is done each second, as a rate.
 const ZOOM_RATE: f64 = 12.0;
+/// Outstanding zoom that is too little to be seen.
+const ZOOM_DONE: f64 = 1e-6;
 /// Heights in planet radii that the wheel stays below.
 const HIGHEST: f64 = 40.0;
 /// Pitch in degrees that a zoom tends to: near the ground, and from space.
@@ -58,7 +60,7 @@ impl OrbitCamera {
 
     /// Does the part of the outstanding zoom that is due after `seconds`, keeping the ground at `pixel` where it is.
     pub(super) fn step(&mut self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], seconds: f64, surface: Surface<'_>) {
-        if self.zoom.abs() < 1e-4 {
+        if self.zoom.abs() < ZOOM_DONE {
             self.zoom = 0.0;
             return;
         }
