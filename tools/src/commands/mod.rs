@@ -32,6 +32,7 @@ macro_rules! commands {
 
 commands! {
     bake => Bake,
+    fly => Fly,
     info => Info,
     shot => Shot,
 }
