@@ -32,6 +32,8 @@ macro_rules! commands {
 
 commands! {
     bake => Bake,
+    gpus => Gpus,
     info => Info,
     shot => Shot,
+    verify => Verify,
 }
