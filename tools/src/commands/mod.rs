@@ -33,6 +33,8 @@ macro_rules! commands {
 commands! {
     bake => Bake,
     fly => Fly,
+    gpus => Gpus,
     info => Info,
     shot => Shot,
+    verify => Verify,
 }
