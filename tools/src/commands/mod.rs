@@ -32,6 +32,8 @@ macro_rules! commands {
 
 commands! {
     bake => Bake,
+    bench => Bench,
     info => Info,
+    mesh => Mesh,
     shot => Shot,
 }
