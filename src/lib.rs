@@ -5,6 +5,7 @@
 
 pub mod frame;
 pub mod headless;
+pub mod measure;
 pub mod scene;
 pub mod shaders;
 pub mod vulkan;

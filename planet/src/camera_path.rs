@@ -165,7 +165,11 @@ fn monotone_tangents(times: &[f64], line: &[f64]) -> Vec<f64> {
         let (before, after) = (slope(k - 1), slope(k));
         let (left, right) = (times[k] - times[k - 1], times[k + 1] - times[k]);
         let (a, b) = (2.0 * right + left, right + 2.0 * left);
-        if before * after <= 0.0 { 0.0 } else { (a + b) / (a / before + b / after) }
+        if before * after <= 0.0 {
+            0.0
+        } else {
+            (a + b) / (a / before + b / after)
+        }
     };
     (0..line.len()).map(|k| if k == 0 || k + 1 == line.len() { 0.0 } else { inner(k) }).collect()
 }
@@ -199,7 +203,13 @@ mod tests {
 
     #[test]
     fn altitudes_never_leave_the_range_of_their_keyframes() {
-        let path = CameraPath::new(&[key(0.0, 0.0, 1e7, 0.0), key(1.0, 0.0, 60.0, 0.0), key(1.5, 0.0, 50.0, 0.0), key(4.0, 0.0, 5e3, 0.0)]).unwrap();
+        let path = CameraPath::new(&[
+            key(0.0, 0.0, 1e7, 0.0),
+            key(1.0, 0.0, 60.0, 0.0),
+            key(1.5, 0.0, 50.0, 0.0),
+            key(4.0, 0.0, 5e3, 0.0),
+        ])
+        .unwrap();
         for k in 0..=400 {
             let now = path.at(f64::from(k) / 100.0).altitude_m;
             assert!((49.999..=1.0001e7).contains(&now), "{now} at {k}");
