@@ -90,7 +90,7 @@ void main() {
     float n_h = clamp(dot(normal, half_way), 0.0, 1.0);
     float lobe = n_h * n_h * (a2 - 1.0) + 1.0;
     float glint = a2 / (PI * lobe * lobe) * 0.25 * (0.02 + 0.98 * pow(1.0 - clamp(dot(light.sun, half_way), 0.0, 1.0), 5.0));
-    vec3 mirrored = reflected_sky(bounced, up, elevation) * fresnel + SUN * arriving * glint * step(0.0, elevation) * 2.0;
+    vec3 mirrored = reflected_sky(bounced, up, elevation) * fresnel + SUN * arriving * glint * step(0.0, elevation);
     vec3 floor_seen = ground_color.rgb * absorbed;
     out_color = vec4((body * opaque + floor_seen) * (1.0 - fresnel) + mirrored, 1.0);
 }

@@ -6,6 +6,8 @@ mod buffers;
 mod draw;
 mod emit;
 mod ocean;
+#[cfg(feature = "app")]
+mod overlay;
 mod resolve;
 mod select;
 mod shading;
@@ -15,6 +17,8 @@ mod targets;
 mod tonemap;
 
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
+#[cfg(feature = "app")]
+pub use overlay::Overlay;
 pub use shading::{shading, sun_over, Look, DAYLIGHT};
 pub use tables::FrameTables;
 pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
@@ -84,13 +88,22 @@ impl Renderer {
         Ok(tables)
     }
 
+    /// Prepares another picture of a mesh that is selected and emitted already, from wherever `view` is. `tables` are those of the
+    /// frame before, and the scene must not have been updated since.
+    pub fn prepare_again(&mut self, scene: &Scene, view: &View, tables: &FrameTables, look: &Look) -> Result<()> {
+        let shading = shading(&scene.planet().recipe, &view.camera, look);
+        self.buffers.write(tables, &view.gpu, &shading)
+    }
+
+    /// In place of [`Renderer::record_mesh`] after [`Renderer::prepare_again`].
+    pub fn record_again(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
+        keep_patches(commands, scene, tables);
+        self.buffers.record_readback(commands)
+    }
+
     /// Records the mesh stages of the prepared frame: which vertices are awake, what they are drawn as, which triangles.
     pub fn record_mesh(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
-        for leaf in &tables.leaves {
-            if let Some(patch) = scene.resident(leaf.id) {
-                commands.keep(patch.buffer());
-            }
-        }
+        keep_patches(commands, scene, tables);
         let between = (&[Access::ComputeWrite], &[Access::ComputeRead, Access::ComputeWrite]);
         self.buffers.record_reset(commands)?;
         commands.barrier(&[Access::TransferWrite], between.1)?;
@@ -132,4 +145,15 @@ impl Renderer {
     pub fn counters(&self) -> Result<EmitState> {
         self.buffers.counters()
     }
+
+    /// Counters of the frame before the latest; wait for that one first. All 0 before there is one.
+    pub fn earlier_counters(&self) -> Result<EmitState> {
+        self.buffers.earlier_counters()
+    }
+}
+
+/// Keeps the drawn patches on the GPU until the commands are done.
+fn keep_patches(commands: &mut Commands, scene: &Scene, tables: &FrameTables) {
+    let patches = tables.leaves.iter().filter_map(|leaf| scene.resident(leaf.id));
+    patches.for_each(|patch| commands.keep(patch.buffer()));
 }

@@ -33,6 +33,7 @@ macro_rules! commands {
 commands! {
     bake => Bake,
     bench => Bench,
+    fly => Fly,
     info => Info,
     mesh => Mesh,
     shot => Shot,
