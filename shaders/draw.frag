@@ -17,12 +17,14 @@ layout(scalar, binding = 4) readonly buffer View { FrameView view; };
 struct Ground {
     vec2 slope;
     vec3 albedo;
+    float shore;
 };
 
 Ground fetch(uint layer, vec2 grid) {
     float side = 2.0 * float(view.cells + TEXTURE_GUTTER);
     vec3 at = vec3((2.0 * grid + float(TEXTURE_GUTTER)) / side, float(layer));
-    return Ground(texture(slopes, at).xy, texture(albedo, at).rgb);
+    vec4 color = texture(albedo, at);
+    return Ground(texture(slopes, at).xy, color.rgb, color.a);
 }
 
 // The patch's own texture fades in over its parent's by distance, so that no switch of detail is seen.
@@ -34,6 +36,7 @@ Ground ground_of(PatchDraw target, float distance) {
         Ground parent = fetch(target.parent_layer, grid);
         own.slope = mix(own.slope, parent.slope, parent_share);
         own.albedo = mix(own.albedo, parent.albedo, parent_share);
+        own.shore = mix(own.shore, parent.shore, parent_share);
     }
     return own;
 }
@@ -76,5 +79,7 @@ void main() {
     vec3 ambient = skylight(elevation) * (0.5 + 0.5 * dot(normal, up));
     // Light thrown back by the ground around, weak and of its own colour.
     vec3 bounce = 0.15 * color * SUN * sunlight(height, elevation) * max(elevation, 0.0) * (0.5 - 0.5 * dot(normal, up));
-    out_color = vec4(color / PI * (direct + ambient + bounce), 1.0);
+    // Height above the sea in metres, for the ocean: the mesh may be coarser than the water is deep.
+    float shore = 2.0 * ground.shore - 1.0;
+    out_color = vec4(color / PI * (direct + ambient + bounce), sign(shore) * shore * shore * SHORE_RANGE);
 }

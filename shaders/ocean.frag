@@ -1,10 +1,10 @@
 #version 460
-// The sea: the sphere at sea level, met by every view ray in closed form and compared with the ground's depth, so that coasts
-// are sharp at every altitude. Blended over the ground, premultiplied: what shows through is the sea floor.
+// The sea: the sphere at sea level, met by every view ray in closed form. Whether ground is under water comes from its
+// texture and not from the mesh, which may be coarser than the water is deep, so that coasts are sharp at every altitude.
 #include "light.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
-layout(scalar, binding = 2) readonly buffer View { FrameView view; };
+layout(binding = 2) uniform sampler2D ground;
 
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
@@ -51,16 +51,17 @@ vec3 reflected_sky(vec3 direction, vec3 up, float elevation) {
 }
 
 void main() {
+    vec4 ground_color = texelFetch(ground, ivec2(gl_FragCoord.xy), 0);
+    out_color = vec4(ground_color.rgb, 1.0);
+    if (light.sea_level <= NO_SEA || light.mode == MODE_NORMALS || light.mode == MODE_ALBEDO || light.mode == MODE_DEPTH) return;
+    bool is_ground = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r > 0.0;
+    if (is_ground && ground_color.a >= 0.0) return;
+
     vec3 view_direction = view_ray(in_uv);
-    float stretch = length(view_direction);
-    vec3 ray = view_direction / stretch;
+    vec3 ray = normalize(view_direction);
     vec3 camera_up = normalize(light.camera);
     float t = distance_to_sea(dot(ray, camera_up));
-    float stored = texture(depth, in_uv).r;
-    float ground = stored > 0.0 ? view.near / stored * stretch : 1e30;
-    // Nothing to add where no water is seen (premultiplied, so zero changes nothing).
-    out_color = vec4(0.0);
-    if (t < 0.0 || t >= ground) return;
+    if (t < 0.0) return;
 
     vec3 place = light.camera + ray * t;
     vec3 up = normalize(place);
@@ -69,12 +70,14 @@ void main() {
     float roughness;
     vec3 normal = ripple(place, up, footprint, roughness);
 
-    float under = ground - t;
+    // The water's depth below the surface point, and along the ray.
+    float water_depth = is_ground ? max(-ground_color.a, 0.0) : SHORE_RANGE;
+    float under = water_depth / max(-dot(ray, up), 0.05);
     vec3 absorbed = exp(-under * vec3(0.35, 0.075, 0.06) * 0.7);
-    float opaque = 1.0 - absorbed.g;
+    vec3 opaque = 1.0 - absorbed;
     vec3 arriving = sunlight(light.sea_level, elevation);
     vec3 lit = (SUN * arriving * max(elevation, 0.0) + skylight(elevation)) / PI;
-    float depth_share = 1.0 - exp(-under * -dot(ray, up) / 25.0);
+    float depth_share = 1.0 - exp(-water_depth / 25.0);
     vec3 body = mix(light.shallow, light.deep, depth_share) * lit;
 
     float fresnel = 0.02 + 0.98 * pow(1.0 - clamp(-dot(ray, normal), 0.0, 1.0), 5.0);
@@ -87,6 +90,7 @@ void main() {
     float n_h = clamp(dot(normal, half_way), 0.0, 1.0);
     float lobe = n_h * n_h * (a2 - 1.0) + 1.0;
     float glint = a2 / (PI * lobe * lobe) * 0.25 * (0.02 + 0.98 * pow(1.0 - clamp(dot(light.sun, half_way), 0.0, 1.0), 5.0));
-    vec3 mirrored = reflected_sky(bounced, up, elevation) * fresnel + SUN * arriving * glint * step(0.0, elevation) * 2.0;
-    out_color = vec4(body * opaque * (1.0 - fresnel) + mirrored, 1.0 - (1.0 - opaque) * (1.0 - fresnel));
+    vec3 mirrored = reflected_sky(bounced, up, elevation) * fresnel + SUN * arriving * glint * step(0.0, elevation);
+    vec3 floor_seen = ground_color.rgb * absorbed;
+    out_color = vec4((body * opaque + floor_seen) * (1.0 - fresnel) + mirrored, 1.0);
 }

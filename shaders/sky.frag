@@ -5,6 +5,7 @@
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D scene;
 layout(scalar, binding = 3) readonly buffer View { FrameView view; };
+layout(binding = 4) uniform sampler2D ground;
 
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
@@ -27,8 +28,10 @@ void main() {
     float cosine = dot(ray, normalize(light.camera));
     float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
     float end = stored > 0.0 ? view.near / stored * stretch : 1e30;
-    float sea = distance_to_sea(cosine);
-    if (sea > 0.0) end = min(end, sea);
+    // The sea lies in front where the ground is under water, or where there is no ground at all.
+    bool water = stored <= 0.0 || texelFetch(ground, ivec2(gl_FragCoord.xy), 0).a < 0.0;
+    float sea = water ? distance_to_sea(cosine) : -1.0;
+    if (sea > 0.0) end = sea;
     bool empty = end >= 1e29;
     vec3 color = empty ? sun_disc(ray) : ground_color.rgb;
     if (has_air()) {

@@ -4,15 +4,18 @@
 //! row to either side (TRIALS section 3), in the direction of growing cube coordinates, so every patch that touches the
 //! line, on this face or the next, computes the same bits.
 
-use crate::ground::Ground;
+use crate::ground::{Ground, SurfacePoint};
 use crate::patch::{PatchId, Side};
 use crate::sphere::{CubePoint, ONE};
 use crate::wake::{Wake, PROPAGATION_MARGIN};
-use glam::DVec3;
 
 /// Lattice units by which a drawn point may lie off its ideal place, because vertices are rounded to the lattice. Part of
 /// every measured error.
 pub const ROUNDING: f64 = 1.0;
+
+/// Lattice units by which the builder may measure the same chord's error differently: it works in the gnomonic plane, and
+/// both computations round.
+const CHORD_SLACK: f64 = 1e-2;
 
 /// A border line: one side of a patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -52,10 +55,10 @@ impl BorderLine {
     }
 
     /// Positions of `count + 1` samples of a level on the line, and of the rows beside it.
-    fn sample(&self, ground: &Ground, level: u8, count: usize) -> [Vec<DVec3>; 3] {
+    fn sample(&self, ground: &Ground, level: u8, count: usize) -> [Vec<SurfacePoint>; 3] {
         let step = ground.step(level);
         let [below, above] = self.row_offsets(step);
-        let row = |offset: CubePoint| -> Vec<DVec3> {
+        let row = |offset: CubePoint| -> Vec<SurfacePoint> {
             let points: Vec<CubePoint> = (0..=count)
                 .map(|k| {
                     let mut point = self.origin + offset;
@@ -63,7 +66,7 @@ impl BorderLine {
                     point
                 })
                 .collect();
-            ground.positions(&points)
+            ground.points(&points)
         };
         [row(CubePoint::ZERO), row(below), row(above)]
     }
@@ -95,7 +98,7 @@ pub fn targets(k: i64) -> (i64, i64) {
     if (k / step) % 4 == 1 { (k - step, k + step) } else { (k + step, k - step) }
 }
 
-fn wakes_of_rows(rows: &[Vec<DVec3>; 3], kappa: f64) -> Vec<Wake> {
+fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], kappa: f64) -> Vec<Wake> {
     let line = &rows[0];
     let cells = line.len() - 1;
     let mut wanted = vec![0.0f64; cells + 1];
@@ -104,12 +107,11 @@ fn wakes_of_rows(rows: &[Vec<DVec3>; 3], kappa: f64) -> Vec<Wake> {
     while step < cells {
         for b in (step..cells).step_by(2 * step) {
             let (a, c) = (b - step, b + step);
-            // Once for the rounding of the drawn vertices, once for that of the positions measured here.
-            let error = chord_error(line, a, c) + 2.0 * ROUNDING;
+            let error = chord_error(line, a, c) + ROUNDING + CHORD_SLACK;
             let raw = error / kappa + reach(rows, b, step);
             wakes[b] = Wake::round_up(wanted[b].max(raw));
             for x in [a, c] {
-                wanted[x] = wanted[x].max((wakes[b].distance() + line[b].distance(line[x])) * PROPAGATION_MARGIN);
+                wanted[x] = wanted[x].max((wakes[b].distance() + line[b].position.distance(line[x].position)) * PROPAGATION_MARGIN);
             }
         }
         step *= 2;
@@ -121,13 +123,13 @@ fn wakes_of_rows(rows: &[Vec<DVec3>; 3], kappa: f64) -> Vec<Wake> {
 
 /// Largest radial distance of the samples strictly between `a` and `c` from the chord between them. Lines of constant cube
 /// coordinate are great circles, so sample, chord and planet centre lie in one plane.
-fn chord_error(line: &[DVec3], a: usize, c: usize) -> f64 {
-    let chord = line[c] - line[a];
-    let moment = line[a].cross(chord).length();
+fn chord_error(line: &[SurfacePoint], a: usize, c: usize) -> f64 {
+    let chord = line[c].ideal - line[a].ideal;
+    let moment = line[a].ideal.cross(chord).length();
     (a + 1..c)
         .map(|i| {
-            let radius = line[i].length();
-            let drawn = moment * radius / line[i].cross(chord).length();
+            let radius = line[i].ideal.length();
+            let drawn = moment * radius / line[i].ideal.cross(chord).length();
             (drawn - radius).abs()
         })
         .fold(0.0, f64::max)
@@ -135,15 +137,16 @@ fn chord_error(line: &[DVec3], a: usize, c: usize) -> f64 {
 
 /// Longest edge that a border vertex `b` may have when it collapses at this step: to its line neighbours, or to the vertices of
 /// the next row within a third of the step.
-fn reach(rows: &[Vec<DVec3>; 3], b: usize, step: usize) -> f64 {
+fn reach(rows: &[Vec<SurfacePoint>; 3], b: usize, step: usize) -> f64 {
     let line = &rows[0];
     let window = step / 3 + 1;
     let near = rows
         .iter()
         .flat_map(|row| &row[b.saturating_sub(window)..=(b + window).min(line.len() - 1)])
-        .map(|q| q.distance_squared(line[b]))
+        .map(|q| q.position.distance(line[b].position))
         .fold(0.0, f64::max);
-    near.sqrt().max(line[b].distance(line[b - step])).max(line[b].distance(line[b + step]))
+    let along = |other: usize| line[b].position.distance(line[other].position);
+    near.max(along(b - step)).max(along(b + step))
 }
 
 #[cfg(test)]
@@ -160,11 +163,16 @@ mod tests {
         }
     }
 
+    fn at(x: f64, y: f64, z: f64) -> SurfacePoint {
+        let position = glam::DVec3::new(x, y, z);
+        SurfacePoint { position, ideal: position }
+    }
+
     #[test]
     fn a_bump_wakes_the_samples_around_it() {
-        let mut rows = [0, 1, 2].map(|r| (0..=16).map(|i| DVec3::new(f64::from(i), f64::from(r), 1e6)).collect::<Vec<_>>());
+        let mut rows = [0, 1, 2].map(|r| (0..=16).map(|i| at(f64::from(i), f64::from(r), 1e6)).collect::<Vec<_>>());
         let flat = wakes_of_rows(&rows, 0.003);
-        rows[0][5].z += 3.0;
+        rows[0][5] = at(5.0, 0.0, 1e6 + 3.0);
         let bumped = wakes_of_rows(&rows, 0.003);
         assert!(bumped[5] > flat[5] && bumped[4] > flat[4] && bumped[8] > flat[8]);
         assert_eq!(bumped[0], Wake::ALWAYS);

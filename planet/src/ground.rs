@@ -25,12 +25,26 @@ pub struct GroundPoint {
 
 /// Colour of bare ground as a pure function of place, height and slope.
 pub trait GroundColour: Sync {
+    /// Height of the sea's surface in metres above the datum, if there is a sea.
+    fn sea_level(&self) -> Option<f64> {
+        None
+    }
+
     /// sRGB-encoded albedo of each point.
     fn albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]);
 }
 
 /// Rows of texture samples beyond each side of a patch, in half cells (see [`crate::texture`]).
 pub const GUTTER: i32 = 4;
+
+/// A point of the ground in lattice units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Exact lattice position: every component is a whole number. Distances are measured between these.
+    pub position: DVec3,
+    /// The same before rounding, exactly above its cube point. Errors are measured between these.
+    pub ideal: DVec3,
+}
 
 /// A planet's terrain on its lattice, with the grid density of its patches.
 #[derive(Clone, Copy)]
@@ -56,11 +70,15 @@ impl Ground<'_> {
         heights
     }
 
-    /// Exact positions of cube points, as f64 (every lattice component is a whole number).
-    pub fn positions(&self, points: &[CubePoint]) -> Vec<DVec3> {
+    /// Points of the ground over cube points.
+    pub fn points(&self, points: &[CubePoint]) -> Vec<SurfacePoint> {
         let directions: Vec<DVec3> = points.iter().map(|&p| direction(p)).collect();
         let heights = self.quantised(&directions);
-        directions.iter().zip(heights).map(|(&d, h)| self.lattice.position(d, h).as_dvec3()).collect()
+        let place = |(&d, h): (&DVec3, i32)| SurfacePoint {
+            position: self.lattice.position(d, h).as_dvec3(),
+            ideal: d * (self.lattice.radius + f64::from(h)),
+        };
+        directions.iter().zip(heights).map(place).collect()
     }
 
     /// Cube units between neighbouring samples of a level (a level below the deepest is fine: half cells are whole units).

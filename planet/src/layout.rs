@@ -321,6 +321,7 @@ pub fn glsl() -> String {
         let _ = writeln!(text, "const uint {name} = {value}u;");
     }
     let _ = writeln!(text, "const float NO_SEA = {NO_SEA:e};");
+    let _ = writeln!(text, "const float SHORE_RANGE = {:?};", crate::texture::SHORE_RANGE);
     text.push_str("\n#endif\n");
     text
 }

@@ -25,7 +25,7 @@ pub mod wake;
 pub const KAPPA: f64 = 0.003;
 
 /// Share of [`KAPPA`] kept for the deviation of a patch's own grid from the finer levels that replace it.
-pub const DEVIATION_SHARE: f64 = 0.25;
+pub const DEVIATION_SHARE: f64 = 0.4;
 
 /// Radians of error per unit distance that wakes are built for: the rest of [`KAPPA`].
 pub const KAPPA_BUILD: f64 = (1.0 - DEVIATION_SHARE) * KAPPA;

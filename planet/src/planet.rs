@@ -23,6 +23,10 @@ impl GroundColour for Terrain {
     fn albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
         Terrain::albedo(self, points, albedo);
     }
+
+    fn sea_level(&self) -> Option<f64> {
+        Terrain::sea_level(self)
+    }
 }
 
 /// Why a planet cannot be made.

@@ -14,6 +14,9 @@ pub const MIP_LEVELS: u32 = 3;
 /// Steepest slope (tangent) that the 8-bit encoding holds; steeper ones are clamped.
 pub const STEEPEST: f64 = 4.0;
 
+/// Metres above and below the sea that [`encode_shore`] tells apart.
+pub const SHORE_RANGE: f64 = 400.0;
+
 /// Slope and colour of a patch's ground, row by row, [`texture_side`] texels a side.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct PatchTexture {
@@ -21,6 +24,8 @@ pub struct PatchTexture {
     pub slopes: Vec<[i8; 2]>,
     /// sRGB-encoded albedo.
     pub albedo: Vec<[u8; 3]>,
+    /// Height above the sea, see [`encode_shore`].
+    pub shore: Vec<u8>,
 }
 
 /// Texels along a side of the texture of a patch of `cells` cells.
@@ -34,6 +39,13 @@ pub fn tangents(id: PatchId, up: DVec3) -> (DVec3, DVec3) {
     let along = axis - up * axis.dot(up);
     let first = along / along.dot(along).sqrt();
     (first, up.cross(first))
+}
+
+/// Height above the sea to 8 bits, by square root so that the shore line keeps its precision (2.5 cm): 0 is [`SHORE_RANGE`] below
+/// the sea or deeper, 255 that much above it or higher. Shading needs it because the mesh may be coarser than the water is deep.
+pub fn encode_shore(above_sea: f64) -> u8 {
+    let share = (above_sea.abs() / SHORE_RANGE).min(1.0).sqrt();
+    (127.5 + 127.5 * share * above_sea.signum()).round() as u8
 }
 
 /// Slope in [-STEEPEST, STEEPEST] to 8 bits, by square root so that gentle slopes keep their precision.
@@ -74,7 +86,9 @@ impl PatchTexture {
         }
         let mut albedo = vec![[0; 3]; points.len()];
         colour.albedo(&points, &mut albedo);
-        PatchTexture { slopes, albedo }
+        let above_sea = |p: &GroundPoint| colour.sea_level().map_or(u8::MAX, |level| encode_shore(p.height - level));
+        let shore = points.iter().map(above_sea).collect();
+        PatchTexture { slopes, albedo, shore }
     }
 }
 
@@ -90,5 +104,10 @@ mod tests {
         }
         assert_eq!(decode_slope(encode_slope(99.0)), STEEPEST);
         assert_eq!(decode_slope(i8::MIN), -STEEPEST);
+    }
+
+    #[test]
+    fn the_shore_line_is_in_the_middle_of_its_code() {
+        assert_eq!([encode_shore(-1e4), encode_shore(-0.1), encode_shore(0.1), encode_shore(1e4)], [0, 125, 130, 255]);
     }
 }

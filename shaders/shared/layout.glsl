@@ -92,5 +92,6 @@ const uint MODE_DEPTH = 5u;
 const uint TEXTURE_GUTTER = 4u;
 const uint WAKE_ALWAYS = 65535u;
 const float NO_SEA = -1e30;
+const float SHORE_RANGE = 400.0;
 
 #endif

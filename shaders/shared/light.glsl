@@ -10,8 +10,11 @@ layout(scalar, binding = 0) readonly buffer Light { Shading light; };
 const float PI = 3.14159265;
 // Irradiance of the sun outside the air, in the units that exposure maps to the display.
 const float SUN = 10.0;
+// Share of the scattering between the eye and what it sees that is drawn: photographs of the Earth are developed for contrast,
+// and the whole of it looks like haze to people who know only those.
+const float CLEARNESS = 0.62;
 // Light that reached a point by more than one scattering, as a share of the single-scattering density.
-const float MULTIPLE = 0.12;
+const float MULTIPLE = 0.06;
 
 bool has_air() { return light.scale_height > 0.0; }
 
@@ -91,7 +94,7 @@ vec3 view_ray(vec2 uv) {
 
 // Scattered light and transmittance between two distances along a ray.
 void march(vec3 ray, float from, float to, out vec3 scattered, out vec3 transmittance) {
-    const int STEPS = 12;
+    const int STEPS = 10;
     vec3 up = normalize(light.camera);
     float cosine = dot(ray, up);
     float towards_sun = dot(ray, light.sun);
@@ -116,6 +119,7 @@ void march(vec3 ray, float from, float to, out vec3 scattered, out vec3 transmit
         vec3 place = light.camera + ray * t;
         float c = dot(normalize(place), light.sun);
         vec3 arriving = sunlight(height, c);
+        density *= CLEARNESS;
         vec3 passed = extinction(column.x + 0.5 * density.x, column.y + 0.5 * density.y);
         vec3 single = arriving * (light.rayleigh * density.x * phase_rayleigh + light.mie * density.y * phase_mie);
         float day = smoothstep(-0.2, 0.3, c);

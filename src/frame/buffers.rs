@@ -81,6 +81,12 @@ impl FrameBuffers {
         Ok(self.input().readback.read::<EmitState>(0, 1)?.first().copied().unwrap_or_default())
     }
 
+    /// Counters of the frame that used the slot which is next to be written; wait for it first.
+    pub fn earlier_counters(&self) -> Result<EmitState> {
+        let earlier = &self.inputs[(self.slot + 1) % self.inputs.len()];
+        Ok(earlier.readback.read::<EmitState>(0, 1)?.first().copied().unwrap_or_default())
+    }
+
     fn input(&self) -> &Inputs {
         &self.inputs[self.slot]
     }

@@ -37,15 +37,8 @@ impl Draw {
         Ok(Draw { fill, lines })
     }
 
-    /// Records the stage; `lines` adds the mesh's edges.
-    pub(super) fn record(
-        &self,
-        commands: &mut Commands,
-        buffers: &FrameBuffers,
-        textures: &TexturePool,
-        targets: &Targets,
-        lines: bool,
-    ) -> Result<()> {
+    /// Records the stage: fills `targets.ground` and `targets.depth`.
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, textures: &TexturePool, targets: &Targets) -> Result<()> {
         commands.begin_rendering(
             &[ColorTarget { view: targets.ground.view(), clear: Some([0.0; 4]) }],
             Some(DepthTarget { view: targets.depth.view(), clear: Some(0.0) }),
@@ -58,10 +51,18 @@ impl Draw {
         ];
         commands.bind(&self.fill, &[geometry.as_slice(), &shading].concat())?;
         commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
-        if lines {
-            commands.bind(&self.lines, &geometry)?;
-            commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
-        }
+        commands.end_rendering()
+    }
+
+    /// Records the mesh's edges over `targets.water`, hidden by `targets.depth`.
+    pub(super) fn record_lines(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+        commands.begin_rendering(
+            &[ColorTarget { view: targets.water.view(), clear: None }],
+            Some(DepthTarget { view: targets.depth.view(), clear: None }),
+        )?;
+        let geometry = [("View", Resource::Storage(buffers.view())), ("Patches", Resource::Storage(buffers.patches()))];
+        commands.bind(&self.lines, &geometry)?;
+        commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
         commands.end_rendering()
     }
 }

@@ -6,6 +6,8 @@ mod buffers;
 mod draw;
 mod emit;
 mod ocean;
+#[cfg(feature = "app")]
+mod overlay;
 mod resolve;
 mod select;
 mod shading;
@@ -15,6 +17,8 @@ mod targets;
 mod tonemap;
 
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
+#[cfg(feature = "app")]
+pub use overlay::Overlay;
 pub use shading::{shading, sun_over, Look, DAYLIGHT};
 pub use tables::FrameTables;
 pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
@@ -33,8 +37,8 @@ use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
 use tonemap::Tonemap;
 
-/// Names of the GPU zones of a frame, in order.
-pub const STAGES: [&str; 7] = ["select", "resolve", "emit", "draw", "ocean", "sky", "tonemap"];
+/// Names of the GPU zones of a frame, in order (`lines` only in wire mode).
+pub const STAGES: [&str; 8] = ["select", "resolve", "emit", "draw", "ocean", "lines", "sky", "tonemap"];
 
 /// Pipelines, targets and buffers of all stages.
 pub struct Renderer {
@@ -84,13 +88,22 @@ impl Renderer {
         Ok(tables)
     }
 
+    /// Prepares another picture of a mesh that is selected and emitted already, from wherever `view` is. `tables` are those of the
+    /// frame before, and the scene must not have been updated since.
+    pub fn prepare_again(&mut self, scene: &Scene, view: &View, tables: &FrameTables, look: &Look) -> Result<()> {
+        let shading = shading(&scene.planet().recipe, &view.camera, look);
+        self.buffers.write(tables, &view.gpu, &shading)
+    }
+
+    /// In place of [`Renderer::record_mesh`] after [`Renderer::prepare_again`].
+    pub fn record_again(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
+        keep_patches(commands, scene, tables);
+        self.buffers.record_readback(commands)
+    }
+
     /// Records the mesh stages of the prepared frame: which vertices are awake, what they are drawn as, which triangles.
     pub fn record_mesh(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
-        for leaf in &tables.leaves {
-            if let Some(patch) = scene.resident(leaf.id) {
-                commands.keep(patch.buffer());
-            }
-        }
+        keep_patches(commands, scene, tables);
         let between = (&[Access::ComputeWrite], &[Access::ComputeRead, Access::ComputeWrite]);
         self.buffers.record_reset(commands)?;
         commands.barrier(&[Access::TransferWrite], between.1)?;
@@ -105,20 +118,25 @@ impl Renderer {
 
     /// Records the picture stages into `picture`, which is left in the layout of [`Access::ColorTarget`].
     pub fn record_picture(&self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
-        let (ground, depth, air) = (self.targets.ground.view(), self.targets.depth.view(), self.targets.scene.view());
-        let lit = matches!(look.mode, Mode::Shaded | Mode::Wire | Mode::Levels);
-        commands.transition(ground, Access::Undefined, Access::ColorTarget)?;
-        commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
-        commands.transition(air, Access::Undefined, Access::ColorTarget)?;
-        let lines = look.mode == Mode::Wire;
-        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), &self.targets, lines))?;
-        commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
-        if lit && scene.planet().recipe.sea.is_some() {
-            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
-            commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, &self.targets))?;
+        let targets = &self.targets;
+        let (ground, depth) = (targets.ground.view(), targets.depth.view());
+        let (water, air) = (targets.water.view(), targets.scene.view());
+        for color in [ground, water, air] {
+            commands.transition(color, Access::Undefined, Access::ColorTarget)?;
         }
+        commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
+        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets))?;
+        commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("sky", |c| self.sky.record(c, &self.buffers, &self.targets))?;
+        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets))?;
+        if look.mode == Mode::Wire {
+            commands.transition(depth, Access::Sampled, Access::DepthTarget)?;
+            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
+            commands.zone("lines", |c| self.draw.record_lines(c, &self.buffers, targets))?;
+            commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
+        }
+        commands.transition(water, Access::ColorTarget, Access::Sampled)?;
+        commands.zone("sky", |c| self.sky.record(c, &self.buffers, targets))?;
         commands.transition(air, Access::ColorTarget, Access::Sampled)?;
         commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, &self.targets, picture))
     }
@@ -127,4 +145,15 @@ impl Renderer {
     pub fn counters(&self) -> Result<EmitState> {
         self.buffers.counters()
     }
+
+    /// Counters of the frame before the latest; wait for that one first. All 0 before there is one.
+    pub fn earlier_counters(&self) -> Result<EmitState> {
+        self.buffers.earlier_counters()
+    }
+}
+
+/// Keeps the drawn patches on the GPU until the commands are done.
+fn keep_patches(commands: &mut Commands, scene: &Scene, tables: &FrameTables) {
+    let patches = tables.leaves.iter().filter_map(|leaf| scene.resident(leaf.id));
+    patches.for_each(|patch| commands.keep(patch.buffer()));
 }

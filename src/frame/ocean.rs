@@ -1,9 +1,9 @@
-//! Stage `ocean`: the sea surface blended over the ground, by its distance against the ground's depth. Shader: `ocean.frag`.
+//! Stage `ocean`: the sea surface over the ground that lies under water. Shader: `ocean.frag`.
 
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
 use crate::shaders;
-use crate::vulkan::{Blend, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use crate::vulkan::{ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
 
 /// The stage's pipeline.
@@ -15,20 +15,19 @@ impl Ocean {
     /// Builds the pipeline.
     pub(super) fn new(context: &Arc<Context>) -> Result<Ocean> {
         let formats = [SCENE_FORMAT];
-        let mut description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::OCEAN_FRAG), &formats);
-        description.blend = Blend::Premultiplied;
+        let description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::OCEAN_FRAG), &formats);
         Ok(Ocean { pipeline: GraphicsPipeline::new(context, "ocean", &description)? })
     }
 
-    /// Records the stage: reads `targets.depth`, blends into `targets.ground`.
+    /// Records the stage: reads `targets.ground` and `targets.depth`, fills `targets.water`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
-        commands.begin_rendering(&[ColorTarget { view: targets.ground.view(), clear: None }], None)?;
+        commands.begin_rendering(&[ColorTarget { view: targets.water.view(), clear: Some([0.0; 4]) }], None)?;
         commands.bind(
             &self.pipeline,
             &[
                 ("Light", Resource::Storage(buffers.shading())),
-                ("View", Resource::Storage(buffers.view())),
                 ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
+                ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
             ],
         )?;
         commands.draw(3, 1)?;

@@ -20,7 +20,7 @@ pub struct Look {
 }
 
 /// Factor from radiance to display for pictures in daylight.
-pub const DAYLIGHT: f32 = 0.75;
+pub const DAYLIGHT: f32 = 0.6;
 
 /// The sun as seen from a place: degrees clockwise from north, and degrees above the horizon.
 pub fn sun_over(place: DVec3, azimuth: f64, elevation: f64) -> DVec3 {

@@ -19,7 +19,7 @@ impl Sky {
         Ok(Sky { pipeline: GraphicsPipeline::new(context, "sky", &description)? })
     }
 
-    /// Records the stage: reads `targets.ground` and `targets.depth`, fills `targets.scene`.
+    /// Records the stage: reads `targets.water`, `targets.ground` (for its alpha) and `targets.depth`, fills `targets.scene`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: Some([0.0; 4]) }], None)?;
         commands.bind(
@@ -28,7 +28,8 @@ impl Sky {
                 ("Light", Resource::Storage(buffers.shading())),
                 ("View", Resource::Storage(buffers.view())),
                 ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
-                ("scene", Resource::Sampled(targets.ground.view(), &targets.nearest)),
+                ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
+                ("scene", Resource::Sampled(targets.water.view(), &targets.nearest)),
             ],
         )?;
         commands.draw(3, 1)?;

@@ -10,10 +10,12 @@ pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
 /// Colour and depth targets of one picture size.
 pub struct Targets {
-    /// Lit ground and sea.
+    /// Lit ground; alpha is its height above the sea in metres.
     pub ground: Image,
     /// Depth of the ground.
     pub depth: Image,
+    /// Ground and sea.
+    pub water: Image,
     /// Ground, sea and air.
     pub scene: Image,
     /// Unfiltered sampling of the above.
@@ -32,6 +34,7 @@ impl Targets {
         Ok(Targets {
             ground: image("ground", SCENE_FORMAT, color)?,
             depth: image("depth", DEPTH_FORMAT, depth)?,
+            water: image("water", SCENE_FORMAT, color)?,
             scene: image("scene", SCENE_FORMAT, color)?,
             nearest: Sampler::new(context, "nearest", &nearest)?,
             size,

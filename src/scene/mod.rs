@@ -10,7 +10,7 @@ mod textures;
 pub use resident::ResidentPatch;
 pub use textures::TexturePool;
 
-use crate::vulkan::{Context, Upload, VulkanError};
+use crate::vulkan::{Commands, Context, Upload, VulkanError};
 use loader::{Loaded, Loader};
 use std::collections::HashMap;
 use std::path::Path;
@@ -68,7 +68,7 @@ impl SceneOptions {
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        SceneOptions { capacity: 768, textures: true }
+        SceneOptions { capacity: 1280, textures: true }
     }
 }
 
@@ -155,14 +155,28 @@ impl Scene {
     /// Computes the cut of a view from what is resident, asks for what it lacks, and takes in up to `uploads` patches that have
     /// arrived.
     pub fn update(&mut self, view: &View, uploads: usize) -> Result<Cut, SceneError> {
+        self.stage_arrived(uploads)?.finish()?;
+        Ok(self.choose(view))
+    }
+
+    /// [`Scene::update`] for a window: the uploads become part of the frame that `commands` records, and nothing is waited for.
+    pub fn stream(&mut self, view: &View, uploads: usize, commands: &mut Commands) -> Result<Cut, SceneError> {
+        self.stage_arrived(uploads)?.record(commands)?;
+        Ok(self.choose(view))
+    }
+
+    fn stage_arrived(&mut self, uploads: usize) -> Result<Upload, SceneError> {
         self.frame += 1;
         let arrived = self.loader.take(uploads)?;
-        self.upload(arrived)?;
+        self.stage(arrived)
+    }
+
+    fn choose(&mut self, view: &View) -> Cut {
         let resident = &self.resident;
         let cut = cut(&self.tree, view, &|id| resident.contains_key(&id));
         self.mark_used(&cut);
         self.request(&cut);
-        Ok(cut)
+        cut
     }
 
     /// Updates until everything the view wants is resident (or nothing more fits), and returns the final cut.
@@ -203,6 +217,10 @@ impl Scene {
     }
 
     fn upload(&mut self, arrived: Vec<Loaded>) -> Result<(), SceneError> {
+        Ok(self.stage(arrived)?.finish()?)
+    }
+
+    fn stage(&mut self, arrived: Vec<Loaded>) -> Result<Upload, SceneError> {
         let mut upload = Upload::new(&self.context, UPLOAD_CHUNK);
         for loaded in arrived {
             if self.resident.contains_key(&loaded.patch.mesh.id) {
@@ -219,7 +237,7 @@ impl Scene {
             let patch = ResidentPatch::new(&self.context, &mut upload, &loaded.patch, layer, self.frame)?;
             self.resident.insert(loaded.patch.mesh.id, patch);
         }
-        Ok(upload.finish()?)
+        Ok(upload)
     }
 
     /// Frees the least recently used patch that no resident child stands on and the latest frame did not use.

@@ -13,7 +13,7 @@ const ALBEDO_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 pub struct TexturePool {
     /// Slopes along the patch's two tangents.
     pub slopes: Image,
-    /// Albedo.
+    /// Albedo, and the height above the sea in alpha (see [`terrane_planet::texture::encode_shore`]).
     pub albedo: Image,
     /// Trilinear, clamped.
     pub sampler: Sampler,
@@ -69,22 +69,22 @@ struct MipLevel {
 /// A level before it is encoded: linear values.
 struct LinearLevel {
     side: usize,
-    texels: Vec<[f32; 5]>,
+    texels: Vec<[f32; 6]>,
 }
 
 impl TextureMips {
     /// Filters a stored texture down (2 × 2 box; gutters halve with the texels, so patches still meet).
     pub(super) fn new(texture: &PatchTexture, cells: u32) -> TextureMips {
         let to_linear: Vec<f32> = (0..=255u8).map(decode_srgb).collect();
-        let texel = |(slope, albedo): (&[i8; 2], &[u8; 3])| {
+        let texel = |((slope, albedo), shore): ((&[i8; 2], &[u8; 3]), &u8)| {
             let [x, y] = slope.map(|s| decode_slope(s) as f32);
             let [r, g, b] = albedo.map(|c| to_linear[usize::from(c)]);
-            [x, y, r, g, b]
+            [x, y, r, g, b, f32::from(*shore)]
         };
-        let texels = texture.slopes.iter().zip(&texture.albedo).map(texel).collect();
+        let texels = texture.slopes.iter().zip(&texture.albedo).zip(&texture.shore).map(texel).collect();
         let mut level = LinearLevel { side: texture_side(cells) as usize, texels };
         let slopes = level.half_slopes();
-        let albedo = texture.albedo.iter().map(|&[r, g, b]| [r, g, b, 255]).collect();
+        let albedo = texture.albedo.iter().zip(&texture.shore).map(|(&[r, g, b], &shore)| [r, g, b, shore]).collect();
         let mut levels = vec![MipLevel { slopes, albedo }];
         while levels.len() < MIP_LEVELS as usize {
             level = level.halved();
@@ -111,7 +111,7 @@ impl LinearLevel {
     }
 
     fn encoded_albedo(&self) -> Vec<[u8; 4]> {
-        self.texels.iter().map(|t| [encode_srgb(t[2]), encode_srgb(t[3]), encode_srgb(t[4]), 255]).collect()
+        self.texels.iter().map(|t| [encode_srgb(t[2]), encode_srgb(t[3]), encode_srgb(t[4]), (t[5] + 0.5) as u8]).collect()
     }
 }
 

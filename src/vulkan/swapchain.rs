@@ -1,15 +1,19 @@
 //! Frames on their way to a window: two in flight, recreated whenever the window changes.
 
 use std::sync::Arc;
+use std::time::Duration;
 
 use ash::{khr, vk};
 
-use super::commands::{Commands, Submission, WAIT_LIMIT};
+use super::commands::{Commands, Submission};
 use super::error::{api, Result, VulkanError};
 use super::image::{ImageView, RawImage};
 use super::surface::Surface;
 use super::timestamps::Timestamps;
 use super::Context;
+
+/// How long to wait for the window to give an image back: some windows give none while they are hidden. Past it: no frame.
+const ACQUIRE_LIMIT: Duration = Duration::from_millis(250);
 
 /// Frames that may be on the GPU while the next is recorded.
 pub const FRAMES_IN_FLIGHT: usize = 2;
@@ -111,7 +115,7 @@ impl Swapchain {
     }
 
     /// Begins a frame, after the one before the last is done. None while there is nothing to draw to: the window is
-    /// minimized or has just changed; try again at its next redraw.
+    /// minimized, hidden or has just changed; try again at its next redraw.
     ///
     /// # Errors
     /// Device loss, out of memory, or a window that is gone.
@@ -191,7 +195,7 @@ impl Swapchain {
 
     fn acquire_image(&mut self, slot: usize) -> Result<Option<u32>> {
         let semaphore = self.slots[slot].acquired.handle;
-        let limit = WAIT_LIMIT.as_nanos() as u64;
+        let limit = ACQUIRE_LIMIT.as_nanos() as u64;
         // SAFETY: the swapchain is alive; nothing waits for the semaphore any more.
         let acquired = unsafe {
             self.functions
@@ -206,6 +210,7 @@ impl Swapchain {
                 self.outdated = true;
                 Ok(None)
             }
+            Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => Ok(None),
             Err(result) => Err(api("vkAcquireNextImageKHR")(result)),
         }
     }

@@ -5,9 +5,10 @@ use glam::DVec3;
 use std::collections::BTreeSet;
 use thiserror::Error;
 
-/// How far beyond a region, in patch sizes of the level above, patches are still refined. A viewer inside the region splits
-/// patches that are nearer than about one and a half of their sizes at the default tolerance; beyond that they are not drawn.
-pub const FUNNEL: f64 = 1.5;
+/// How far beyond a region, in patch sizes of the level above, patches are still refined. A viewer inside the region wants
+/// children for their textures' sake within about one and a half sizes; a little less saves a third of the patches and shows
+/// only as a softer far distance.
+pub const FUNNEL: f64 = 1.0;
 
 /// Most patches in a plan; more would take weeks and terabytes.
 pub const MOST_PATCHES: usize = 4_000_000;

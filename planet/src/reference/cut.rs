@@ -11,7 +11,10 @@ use glam::DVec3;
 use std::collections::HashSet;
 
 /// Pixels that a texel may cover before a patch splits for its texture's sake.
-pub const TEXEL_PIXELS: f64 = 1.5;
+pub const TEXEL_PIXELS: f64 = 2.0;
+
+/// Weight of the distance outside the frustum for the sake of textures: nothing depends on them but what is seen.
+const TEXTURE_FALLOFF: f64 = 4.0;
 
 /// One drawn patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -71,11 +74,20 @@ struct Search<'a> {
 impl Search<'_> {
     fn refine(&mut self, id: PatchId) {
         let Some(node) = self.tree.get(id).filter(|n| n.has_children) else { return };
-        let reach = (self.view.scale * node.split_wake).max(texture_distance(self.tree, self.view, id.level));
-        let distance = distance_to_box(self.view, &node.bounds);
-        if distance < reach && self.ensure_split(id, distance / reach) {
+        let urgency = self.urgency(id.level, node);
+        if urgency < 1.0 && self.ensure_split(id, urgency) {
             id.children().into_iter().flatten().for_each(|child| self.refine(child));
         }
+    }
+
+    /// Distance over split distance: below 1 the patch splits, for its geometry's or for its texture's sake.
+    fn urgency(&self, level: u8, node: &PatchNode) -> f64 {
+        let (low, high) = (node.bounds.low.as_dvec3() - self.view.eye, node.bounds.high.as_dvec3() - self.view.eye);
+        let nearest = DVec3::ZERO.clamp(low, high).length();
+        let outside = outside_by(self.view, low, high);
+        let geometry = (nearest + self.view.falloff * outside) / (self.view.scale * node.split_wake);
+        let texture = (nearest + TEXTURE_FALLOFF * outside) / texture_distance(self.tree, self.view, level);
+        geometry.min(texture)
     }
 
     /// Splits a patch and whatever coarser neighbours balance asks for; false if some children are not resident.

@@ -1,4 +1,4 @@
-//! The texture record: a [`PatchTexture`] as five planes of bytes, each predicted from the texels left and above.
+//! The texture record: a [`PatchTexture`] as six planes of bytes, each predicted from the texels left and above.
 //!
 //! Albedo goes as green and the differences of red and blue from it, which are small on ground of any colour.
 
@@ -13,20 +13,20 @@ use crate::texture::{texture_side, PatchTexture};
 pub const MAGIC: [u8; 4] = *b"TRPT";
 
 /// Names of the planes, in file order.
-const PLANES: [&str; 5] = ["first slope", "second slope", "green", "red less green", "blue less green"];
+const PLANES: [&str; 6] = ["first slope", "second slope", "green", "red less green", "blue less green", "shore"];
 
 /// The record of a texture, or why it has none: its size must be that of the patch's cells.
 pub fn encode(texture: &PatchTexture, id: PatchId, cells: u32) -> Result<Vec<u8>, RecordError> {
     let side = side(cells)?;
-    let found = texture.slopes.len().min(texture.albedo.len());
-    if texture.slopes.len() != side * side || texture.albedo.len() != side * side {
+    let sizes = [texture.slopes.len(), texture.albedo.len(), texture.shore.len()];
+    if let Some(&found) = sizes.iter().find(|&&size| size != side * side) {
         return Err(RecordError::Short { what: "texture", found, expected: side * side });
     }
     let mut record = RecordWriter::new(MAGIC, id, cells);
     let slope = |k: usize| texture.slopes.iter().map(|s| s[k] as u8).collect::<Vec<u8>>();
     let less_green = |k: usize| texture.albedo.iter().map(|c| c[k].wrapping_sub(c[1])).collect::<Vec<u8>>();
     let green = texture.albedo.iter().map(|c| c[1]).collect();
-    for plane in [slope(0), slope(1), green, less_green(0), less_green(2)] {
+    for plane in [slope(0), slope(1), green, less_green(0), less_green(2), texture.shore.clone()] {
         record.stream(&residuals(&plane, side));
     }
     Ok(record.finish())
@@ -52,7 +52,8 @@ pub fn decode(bytes: &[u8], id: PatchId, cells: u32) -> Result<PatchTexture, Rec
         let green = planes[2][k];
         [planes[3][k].wrapping_add(green), green, planes[4][k].wrapping_add(green)]
     };
-    Ok(PatchTexture { slopes, albedo: (0..texels).map(colour).collect() })
+    let albedo = (0..texels).map(colour).collect();
+    Ok(PatchTexture { slopes, albedo, shore: planes.swap_remove(5) })
 }
 
 fn side(cells: u32) -> Result<usize, RecordError> {

@@ -87,6 +87,11 @@ impl Terrain {
         }
     }
 
+    /// Height of the sea's surface in metres above the datum, if there is a sea.
+    pub fn sea_level(&self) -> Option<f64> {
+        self.sea_level
+    }
+
     /// Height in metres above the radius at one unit direction: the same bits as [`Terrain::heights`].
     pub fn height(&self, direction: DVec3) -> f64 {
         let mut height = [0.0];

@@ -32,6 +32,7 @@ macro_rules! commands {
 
 commands! {
     bake => Bake,
+    fly => Fly,
     gpus => Gpus,
     info => Info,
     shot => Shot,

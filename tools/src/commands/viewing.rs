@@ -4,7 +4,7 @@ use anyhow::{bail, ensure};
 use glam::DVec3;
 use std::sync::Arc;
 use terrane::frame::{sun_over, Look, DAYLIGHT};
-use terrane::vulkan::{Context, ContextOptions, GpuChoice};
+use terrane::vulkan::{Context, ContextOptions, GpuChoice, ValidationMessage};
 use terrane_planet::layout::Mode;
 use terrane_planet::planet::Planet;
 use terrane_planet::sphere::direction_at;
@@ -12,6 +12,12 @@ use terrane_planet::view::{Camera, TOLERANCE_RANGE};
 
 /// Largest side of a picture in pixels (the smallest limit that Vulkan guarantees is 4,096; most devices allow this).
 const LARGEST_SIDE: u32 = 16_384;
+
+/// Latitude and longitude of the camera unless told otherwise.
+const DEFAULT_PLACE: [f64; 2] = [20.0, 0.0];
+
+/// Its altitude then, in planet radii: the planet fills most of the picture.
+const DEFAULT_ALTITUDE: f64 = 1.9;
 
 /// Where the sun stands over the place in view unless told otherwise: azimuth and elevation in degrees.
 const DEFAULT_SUN: [f64; 2] = [135.0, 35.0];
@@ -44,21 +50,25 @@ impl GpuOptions {
 
     /// Fails if validation had anything to say.
     pub(crate) fn report_messages(&self, context: &Context) -> anyhow::Result<()> {
-        let messages = context.messages();
-        for message in &messages {
-            eprintln!("validation: {message:?}");
-        }
-        ensure!(messages.is_empty(), "{} validation messages, see above", messages.len());
-        Ok(())
+        report_messages(&context.messages())
     }
+}
+
+/// Prints validation's messages and fails if there are any.
+pub(crate) fn report_messages(messages: &[ValidationMessage]) -> anyhow::Result<()> {
+    for message in messages {
+        eprintln!("validation: {message:?}");
+    }
+    ensure!(messages.is_empty(), "{} validation messages, see above", messages.len());
+    Ok(())
 }
 
 /// Where the camera is and what it resolves.
 #[derive(clap::Args, Clone)]
 pub(crate) struct CameraOptions {
-    /// Latitude and longitude in degrees, and metres above the ground or the sea there.
+    /// Latitude and longitude in degrees, and metres above the ground or the sea there; by default the whole planet from afar.
     #[arg(long, value_name = "LAT,LON,ALT_M", value_parser = numbers::<3>, allow_hyphen_values = true)]
-    at: [f64; 3],
+    at: Option<[f64; 3]>,
     /// Degrees clockwise from north, and degrees above the horizontal; by default towards the horizon, or down from afar.
     #[arg(long, value_name = "HEADING,PITCH", value_parser = numbers::<2>, allow_hyphen_values = true)]
     look: Option<[f64; 2]>,
@@ -76,12 +86,14 @@ pub(crate) struct CameraOptions {
 impl CameraOptions {
     /// Unit vector to the place under the camera.
     pub(crate) fn place(&self) -> DVec3 {
-        direction_at(self.at[0], self.at[1])
+        let [latitude, longitude, _] = self.at.unwrap_or([DEFAULT_PLACE[0], DEFAULT_PLACE[1], 0.0]);
+        direction_at(latitude, longitude)
     }
 
     /// The camera over a planet.
     pub(crate) fn camera(&self, planet: &Planet) -> anyhow::Result<Camera> {
-        let [latitude, longitude, altitude] = self.at;
+        let [latitude, longitude] = DEFAULT_PLACE;
+        let [latitude, longitude, altitude] = self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE * planet.recipe.radius]);
         ensure!((-90.0..=90.0).contains(&latitude), "--at: latitude {latitude} is not within -90 and 90 degrees");
         ensure!((-360.0..=360.0).contains(&longitude), "--at: longitude {longitude} is not within -360 and 360 degrees");
         ensure!((1.0..=20.0).contains(&(self.fov / 7.0)), "--fov: {} is not within 7 and 140 degrees", self.fov);
@@ -102,7 +114,11 @@ impl CameraOptions {
 fn default_pitch(radius: f64, altitude: f64, fov: f64) -> f64 {
     let dip = (radius / (radius + altitude)).acos().to_degrees();
     let angular_radius = 90.0 - dip;
-    if angular_radius < fov * 0.75 { -90.0 } else { -(dip + fov * 0.2).min(90.0) }
+    if angular_radius < fov * 0.75 {
+        -90.0
+    } else {
+        -(dip + fov * 0.2).min(90.0)
+    }
 }
 
 /// What is drawn.
@@ -159,7 +175,9 @@ pub(crate) fn numbers<const N: usize>(text: &str) -> anyhow::Result<[f64; N]> {
 pub(crate) fn picture_size(text: &str) -> anyhow::Result<[u32; 2]> {
     let sides: Option<Vec<u32>> = text.split(['x', 'X', '×']).map(|part| part.parse().ok()).collect();
     match sides.as_deref() {
-        Some(&[width, height]) if (16..=LARGEST_SIDE).contains(&width) && (16..=LARGEST_SIDE).contains(&height) => Ok([width, height]),
+        Some(&[width, height]) if (16..=LARGEST_SIDE).contains(&width) && (16..=LARGEST_SIDE).contains(&height) => {
+            Ok([width, height])
+        }
         _ => bail!("'{text}' is not a size such as 1280x720 with sides from 16 to {LARGEST_SIDE}"),
     }
 }

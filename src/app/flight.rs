@@ -1,0 +1,217 @@
+//! A flight: the window with everything that is drawn in it. One call of [`Flight::draw`] is one frame.
+
+use super::keys::{next_mode, Command};
+use super::overlay::{Overlay, Status};
+use super::viewer::Viewer;
+use super::{AppError, FlyOptions, SaveScreenshot};
+use crate::frame::{FrameTables, Look, Overlay as OverlayStage, Renderer};
+use crate::scene::{Scene, SceneOptions};
+use crate::vulkan::{capture, vk, Access, Commands, Context, Image, ImageDescription, Swapchain};
+use glam::DQuat;
+use std::sync::Arc;
+use std::time::Instant;
+use terrane_planet::layout::{EmitState, Mode};
+use terrane_planet::view::View;
+use winit::window::Window;
+
+/// Patches taken in each frame, half a megabyte each: the first for frames that keep up with the screen; slow frames take more, so
+/// that a slow device does not stay coarse for minutes.
+const UPLOADS_PER_FRAME: (usize, usize) = (6, 36);
+/// Patches taken in a second between these limits.
+const UPLOADS_PER_SECOND: f64 = 120.0;
+/// Longest time in seconds that one frame moves the viewer on by, however long it took.
+const LONGEST_FRAME: f64 = 0.25;
+/// Radians that the sun moves along its daily course with each key press.
+const SUN_STEP: f64 = 0.05;
+/// Windows at least this wide have text of twice the size.
+const WIDE: u32 = 1000;
+
+/// Whether the selection follows the viewer.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Selection {
+    Follows,
+    /// The next frame emits the whole mesh once more, without culling, to be seen from all sides.
+    Freezes,
+    Frozen,
+}
+
+/// Everything that a window needs.
+pub(super) struct Flight {
+    pub(super) viewer: Viewer,
+    pub(super) overlay: Overlay,
+    pub(super) scene: Scene,
+    pub(super) window: Arc<Window>,
+    context: Arc<Context>,
+    swapchain: Swapchain,
+    renderer: Renderer,
+    stage: OverlayStage,
+    look: Look,
+    tolerance: f64,
+    /// Of the latest frame; while frozen, of the frame that stays.
+    tables: Option<FrameTables>,
+    selection: Selection,
+    /// Patches that this frame may take in.
+    uploads: usize,
+    screenshot_wanted: bool,
+    counters: EmitState,
+    begun: Option<Instant>,
+    latest: Instant,
+    frames: u64,
+}
+
+impl Flight {
+    pub(super) fn new(window: Arc<Window>, options: &FlyOptions) -> Result<Flight, AppError> {
+        let (context, surface) = Context::with_window(&options.context, window.clone())?;
+        let scene = Scene::open(&context, &options.file, SceneOptions::default())?;
+        let size = window.inner_size();
+        let swapchain = Swapchain::new(&context, surface, (size.width, size.height), false)?;
+        let format = swapchain.format();
+        Ok(Flight {
+            viewer: Viewer::new(&options.camera),
+            overlay: Overlay::default(),
+            scene,
+            window,
+            renderer: Renderer::new(&context, (options.camera.size[0], options.camera.size[1]), format)?,
+            stage: OverlayStage::new(&context, format)?,
+            context,
+            swapchain,
+            look: options.look,
+            tolerance: options.tolerance,
+            tables: None,
+            selection: Selection::Follows,
+            uploads: UPLOADS_PER_FRAME.0,
+            screenshot_wanted: false,
+            counters: EmitState::default(),
+            begun: None,
+            latest: Instant::now(),
+            frames: 0,
+        })
+    }
+
+    pub(super) fn context(&self) -> &Arc<Context> {
+        &self.context
+    }
+
+    /// Frames drawn, and the seconds since the first.
+    pub(super) fn pace(&self) -> (u64, f64) {
+        (self.frames, self.begun.map_or(0.0, |begun| begun.elapsed().as_secs_f64()))
+    }
+
+    pub(super) fn resize(&mut self, width: u32, height: u32) {
+        self.swapchain.resize(width, height);
+    }
+
+    /// Does what a key asks for, other than ending.
+    pub(super) fn obey(&mut self, command: Command) {
+        match command {
+            Command::Quit => {}
+            Command::Help => self.overlay.help = !self.overlay.help,
+            Command::SwitchCamera => self.viewer.switch_camera(),
+            Command::Show(mode) => self.look.mode = mode,
+            Command::ShowNext => self.look.mode = next_mode(self.look.mode),
+            Command::Toggle(mode) => self.look.mode = if self.look.mode == mode { Mode::Shaded } else { mode },
+            Command::Freeze if self.selection == Selection::Follows => self.selection = Selection::Freezes,
+            Command::Freeze => self.selection = Selection::Follows,
+            Command::Screenshot => self.screenshot_wanted = true,
+            Command::Sun(steps) => self.look.sun = DQuat::from_rotation_z(-SUN_STEP * steps) * self.look.sun,
+            Command::Zoom(notches) => self.viewer.wheel(notches),
+        }
+    }
+
+    /// Draws a frame. False if there was nothing to draw to: try again a little later.
+    pub(super) fn draw(&mut self, save: &mut SaveScreenshot) -> Result<bool, AppError> {
+        let Some(mut frame) = self.swapchain.acquire()? else { return Ok(false) };
+        if frame.timestamps.is_some() {
+            self.counters = self.renderer.earlier_counters()?;
+        }
+        let (width, height) = frame.target.size();
+        self.viewer.lens.size = [width, height];
+        self.renderer.resize((width, height))?;
+        self.step();
+        let commands = &mut frame.commands;
+        self.record_mesh(commands)?;
+        commands.transition(&frame.target, Access::Undefined, Access::ColorTarget)?;
+        self.renderer.record_picture(commands, &self.scene, &self.look, &frame.target)?;
+        commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
+        let text = self.text();
+        let scale = (self.window.scale_factor() * if width >= WIDE { 2.0 } else { 1.0 }).round().max(1.0);
+        self.stage.record(commands, &frame.target, &text, scale as u32)?;
+        commands.transition(&frame.target, Access::ColorTarget, Access::Present)?;
+        self.window.pre_present_notify();
+        self.swapchain.present(frame)?;
+        if std::mem::take(&mut self.screenshot_wanted) {
+            self.save_screenshot((width, height), save)?;
+        }
+        Ok(true)
+    }
+
+    /// Moves the viewer on to now.
+    fn step(&mut self) {
+        let now = Instant::now();
+        let seconds = now.duration_since(std::mem::replace(&mut self.latest, now)).as_secs_f64();
+        if self.begun.is_some() {
+            self.frames += 1;
+            self.overlay.count_frame(seconds);
+        } else {
+            self.begun = Some(now);
+        }
+        self.uploads = ((seconds * UPLOADS_PER_SECOND) as usize).clamp(UPLOADS_PER_FRAME.0, UPLOADS_PER_FRAME.1);
+        self.viewer.step(seconds.min(LONGEST_FRAME), self.scene.planet());
+    }
+
+    /// Selects and emits what the viewer sees; while frozen, what was emitted last is only seen from elsewhere. The scene is not
+    /// updated then, so that all its patches stay.
+    fn record_mesh(&mut self, commands: &mut Commands) -> Result<(), AppError> {
+        let camera = self.viewer.pose.camera(&self.viewer.lens);
+        let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
+        if let (Selection::Frozen, Some(tables)) = (self.selection, &self.tables) {
+            self.renderer.prepare_again(&self.scene, &view, tables, &self.look)?;
+            return Ok(self.renderer.record_again(commands, &self.scene, tables)?);
+        }
+        let cut = self.scene.stream(&view, self.uploads, commands)?;
+        let freezes = self.selection == Selection::Freezes;
+        let view = if freezes { view.without_culling() } else { view };
+        let tables = self.renderer.prepare(&self.scene, &view, &cut, &self.look, freezes)?;
+        self.renderer.record_mesh(commands, &self.scene, &tables)?;
+        if freezes {
+            self.selection = Selection::Frozen;
+        }
+        self.tables = Some(tables);
+        Ok(())
+    }
+
+    fn text(&mut self) -> String {
+        let status = Status {
+            height: self.viewer.height(self.scene.planet()),
+            counters: self.counters,
+            patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
+            device: &self.context.device_info().name,
+            flying: self.viewer.flying,
+            frozen: self.selection != Selection::Follows,
+            mode: self.look.mode,
+        };
+        self.overlay.text(&status)
+    }
+
+    /// Draws the frame once more without the text, waits for it, and hands it to `save`.
+    fn save_screenshot(&mut self, size: (u32, u32), save: &mut SaveScreenshot) -> Result<(), AppError> {
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+        let image = Image::new(&self.context, &ImageDescription::new("screenshot", size, self.swapchain.format(), usage))?;
+        Commands::once(&self.context, "screenshot", |commands| {
+            commands.transition(image.view(), Access::Undefined, Access::ColorTarget)?;
+            self.renderer.record_picture(commands, &self.scene, &self.look, image.view())
+        })?;
+        let pixels = capture(&self.context, &image, (0, 0), Access::ColorTarget)?.to_rgba8()?;
+        let said = save([size.0, size.1], &pixels).unwrap_or_else(|problem| problem);
+        tracing::info!("{said}");
+        self.overlay.say(said);
+        Ok(())
+    }
+}
+
+impl Drop for Flight {
+    fn drop(&mut self) {
+        // The frames in flight still use what is dropped next. A lost device waits for nothing.
+        let _ = self.context.wait_idle();
+    }
+}

@@ -1,0 +1,236 @@
+//! Flying over a planet in a window.
+//!
+//! In: a planet file, where to begin, and a way to save pictures. Out: a window until it is closed, then a [`FlyReport`]. Events come
+//! in here; [`flight`](self) draws, `viewer` moves, `keys` says which key does what.
+
+mod flight;
+mod fly_camera;
+mod keys;
+mod orbit_camera;
+mod overlay;
+mod pose;
+mod viewer;
+
+pub use keys::HELP;
+
+use crate::frame::Look;
+use crate::scene::SceneError;
+use crate::vulkan::{ContextOptions, ValidationMessage, VulkanError};
+use flight::Flight;
+use keys::Command;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+use terrane_planet::view::Camera;
+use thiserror::Error;
+use viewer::Button;
+use winit::application::ApplicationHandler;
+use winit::dpi::PhysicalSize;
+use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
+use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::window::{Window, WindowId};
+
+/// How long to wait before another try when a window has nothing to draw to.
+const RETRY: Duration = Duration::from_millis(30);
+/// Pixels of smooth scrolling that make one notch of a wheel.
+const PIXELS_PER_NOTCH: f64 = 40.0;
+
+/// Why a flight cannot start or go on.
+#[derive(Debug, Error)]
+pub enum AppError {
+    /// Nowhere to open a window.
+    #[error("no window system: {tried}; {reason}. Start it in a desktop session, or make pictures without a window with `terrane shot`")]
+    NoWindowSystem {
+        /// What was looked at, and what was there.
+        tried: String,
+        /// What the window library said.
+        reason: String,
+    },
+    /// The window system refuses.
+    #[error("cannot open a window: {reason}; pictures without a window are made with `terrane shot`")]
+    Window {
+        /// What the window library said.
+        reason: String,
+    },
+    /// The planet file, or the GPU while loading from it.
+    #[error(transparent)]
+    Scene(#[from] SceneError),
+    /// The GPU.
+    #[error(transparent)]
+    Vulkan(#[from] VulkanError),
+}
+
+/// Saves a picture: size, and RGBA bytes row by row. Returns what to tell the user, in either case.
+pub type SaveScreenshot = Box<dyn FnMut([u32; 2], &[u8]) -> Result<String, String>>;
+
+/// How to fly.
+pub struct FlyOptions {
+    /// Planet file.
+    pub file: PathBuf,
+    /// GPU and validation.
+    pub context: ContextOptions,
+    /// Where to begin; its size is the window's.
+    pub camera: Camera,
+    /// Mode, sun and exposure to begin with.
+    pub look: Look,
+    /// Largest error of the mesh in pixels.
+    pub tolerance: f64,
+    /// Takes screenshots.
+    pub save: SaveScreenshot,
+}
+
+/// What a flight was.
+#[derive(Debug, Default)]
+pub struct FlyReport {
+    /// Frames drawn after the first.
+    pub frames: u64,
+    /// Seconds since the first frame.
+    pub seconds: f64,
+    /// Everything that validation said, to the very end.
+    pub messages: Vec<ValidationMessage>,
+}
+
+/// Opens a window and flies until it is closed. Validation's messages come with the result, or with the error if it ends in one.
+///
+/// # Errors
+/// No window system, no usable GPU, a damaged planet file, or device loss.
+pub fn fly(options: FlyOptions) -> (FlyReport, Result<(), AppError>) {
+    let mut app = App { options, flight: None, report: FlyReport::default(), error: None, hidden: false, retry_at: None };
+    let ended = EventLoop::new().map_err(|error| no_window_system(&error)).and_then(|events| {
+        let ended = events.run_app(&mut app);
+        ended.map_err(|error| AppError::Window { reason: error.to_string() })
+    });
+    (app.report, app.error.map_or(ended, Err))
+}
+
+fn no_window_system(error: &impl std::fmt::Display) -> AppError {
+    let found = |name: &str| match std::env::var_os(name).filter(|value| !value.is_empty()) {
+        Some(value) => format!("{name} is '{}'", value.to_string_lossy()),
+        None => format!("{name} is not set"),
+    };
+    let tried = ["WAYLAND_DISPLAY", "DISPLAY"].map(found).join(", ");
+    AppError::NoWindowSystem { tried, reason: error.to_string().trim_end_matches('.').to_owned() }
+}
+
+struct App {
+    options: FlyOptions,
+    flight: Option<Flight>,
+    report: FlyReport,
+    error: Option<AppError>,
+    /// Whether nothing of the window can be seen.
+    hidden: bool,
+    /// Set while the window has nothing to draw to.
+    retry_at: Option<Instant>,
+}
+
+impl App {
+    fn open(&self, events: &ActiveEventLoop) -> Result<Flight, AppError> {
+        let [width, height] = self.options.camera.size;
+        let attributes = Window::default_attributes()
+            .with_title(format!("Terrane: {}", self.options.file.display()))
+            .with_inner_size(PhysicalSize::new(width, height))
+            .with_min_inner_size(PhysicalSize::new(64, 64));
+        let window = events.create_window(attributes).map_err(|error| AppError::Window { reason: error.to_string() })?;
+        Flight::new(Arc::new(window), &self.options)
+    }
+
+    fn fail(&mut self, events: &ActiveEventLoop, error: AppError) {
+        self.error = Some(error);
+        events.exit();
+    }
+
+    fn redraw(&mut self, events: &ActiveEventLoop) {
+        let Some(flight) = &mut self.flight else { return };
+        match flight.draw(&mut self.options.save) {
+            Ok(drawn) => self.retry_at = (!drawn).then(|| Instant::now() + RETRY),
+            Err(error) => self.fail(events, error),
+        }
+    }
+
+    fn key(&mut self, events: &ActiveEventLoop, event: &KeyEvent) {
+        let Some(flight) = &mut self.flight else { return };
+        let down = event.state == ElementState::Pressed;
+        flight.viewer.held.set(event.physical_key, down);
+        match keys::command(event.physical_key, &event.logical_key).filter(|_| down) {
+            Some(Command::Quit) => events.exit(),
+            // Holding a key repeats only what is gradual.
+            Some(command @ (Command::Sun(_) | Command::Zoom(_))) => flight.obey(command),
+            Some(command) if !event.repeat => flight.obey(command),
+            _ => {}
+        }
+    }
+
+    fn mouse(&mut self, event: &WindowEvent) {
+        let Some(flight) = &mut self.flight else { return };
+        let planet = flight.scene.planet();
+        match event {
+            WindowEvent::CursorMoved { position, .. } => flight.viewer.point([position.x, position.y], planet),
+            WindowEvent::MouseInput { state, button, .. } => {
+                let button = match button {
+                    MouseButton::Left => Button::Left,
+                    MouseButton::Right | MouseButton::Middle => Button::Right,
+                    _ => return,
+                };
+                flight.viewer.press(button, *state == ElementState::Pressed, planet);
+            }
+            WindowEvent::MouseWheel { delta, .. } => flight.viewer.wheel(match delta {
+                MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
+                MouseScrollDelta::PixelDelta(pixels) => pixels.y / PIXELS_PER_NOTCH,
+            }),
+            _ => {}
+        }
+    }
+}
+
+impl ApplicationHandler for App {
+    fn resumed(&mut self, events: &ActiveEventLoop) {
+        if self.flight.is_some() {
+            return;
+        }
+        match self.open(events) {
+            Ok(flight) => self.flight = Some(flight),
+            Err(error) => self.fail(events, error),
+        }
+    }
+
+    fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        match &event {
+            WindowEvent::CloseRequested => events.exit(),
+            WindowEvent::RedrawRequested => self.redraw(events),
+            WindowEvent::Occluded(hidden) => self.hidden = *hidden,
+            WindowEvent::KeyboardInput { event, .. } => self.key(events, event),
+            WindowEvent::Resized(size) => {
+                if let Some(flight) = &mut self.flight {
+                    flight.resize(size.width, size.height);
+                }
+            }
+            WindowEvent::Focused(false) => {
+                if let Some(flight) = &mut self.flight {
+                    flight.viewer.let_go();
+                }
+            }
+            _ => self.mouse(&event),
+        }
+    }
+
+    fn about_to_wait(&mut self, events: &ActiveEventLoop) {
+        let Some(flight) = &self.flight else { return };
+        let flow = match self.retry_at {
+            _ if self.hidden => ControlFlow::Wait,
+            Some(at) if Instant::now() < at => ControlFlow::WaitUntil(at),
+            _ => {
+                flight.window.request_redraw();
+                ControlFlow::Poll
+            }
+        };
+        events.set_control_flow(flow);
+    }
+
+    fn exiting(&mut self, _: &ActiveEventLoop) {
+        let Some(flight) = self.flight.take() else { return };
+        let log = flight.context().message_log();
+        (self.report.frames, self.report.seconds) = flight.pace();
+        drop(flight);
+        self.report.messages = log.all();
+    }
+}

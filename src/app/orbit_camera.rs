@@ -1,0 +1,158 @@
+//! The orbit camera: the ground stays under the cursor that drags it, the wheel zooms towards it, and the view tilts towards the
+//! horizon on the way down.
+
+use super::pose::{meet_sphere, Lens, Pose, Surface};
+use glam::DVec3;
+
+/// How much of the way down or up one notch of the wheel goes, as a logarithm of height.
+const ZOOM_PER_NOTCH: f64 = 0.25;
+/// Share of an outstanding zoom that is done each second, as a rate.
+const ZOOM_RATE: f64 = 12.0;
+/// Outstanding zoom that is too little to be seen.
+const ZOOM_DONE: f64 = 1e-6;
+/// Heights in planet radii that the wheel stays below.
+const HIGHEST: f64 = 40.0;
+/// Pitch in degrees that a zoom tends to: near the ground, and from space.
+const PITCH: [f64; 2] = [-14.0, -90.0];
+/// Heights between which the pitch changes from one to the other: metres, and planet radii.
+const TILT_HEIGHTS: (f64, f64) = (150.0, 0.4);
+/// How fast a zoom draws the pitch to where it tends: a rate over the logarithm of height.
+const TILT_RATE: f64 = 0.6;
+
+/// State of the orbit camera.
+#[derive(Default)]
+pub(super) struct OrbitCamera {
+    grip: Option<Grip>,
+    /// Outstanding zoom, as a logarithm of height.
+    zoom: f64,
+}
+
+/// The ground that is held.
+#[derive(Clone, Copy)]
+struct Grip {
+    direction: DVec3,
+    radius: f64,
+}
+
+impl OrbitCamera {
+    /// Takes hold of the ground at a pixel.
+    pub(super) fn press(&mut self, pose: &Pose, lens: &Lens, pixel: [f64; 2], surface: Surface<'_>) {
+        self.grip = Grip::at(pose, lens, pixel, surface);
+    }
+
+    /// Lets go.
+    pub(super) fn release(&mut self) {
+        self.grip = None;
+    }
+
+    /// Brings the ground that is held to a pixel.
+    pub(super) fn drag(&self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], surface: Surface<'_>) {
+        if let Some(grip) = self.grip {
+            grip.bring_to(pose, lens, pixel);
+            pose.keep_above(surface);
+        }
+    }
+
+    /// Asks for a zoom by notches of the wheel, towards the ground if positive.
+    pub(super) fn wheel(&mut self, notches: f64) {
+        self.zoom -= ZOOM_PER_NOTCH * notches;
+    }
+
+    /// Does the part of the outstanding zoom that is due after `seconds`, keeping the ground at `pixel` where it is.
+    pub(super) fn step(&mut self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], seconds: f64, surface: Surface<'_>) {
+        if self.zoom.abs() < ZOOM_DONE {
+            self.zoom = 0.0;
+            return;
+        }
+        let part = self.zoom * (1.0 - (-ZOOM_RATE * seconds).exp());
+        self.zoom -= part;
+        let grip = Grip::at(pose, lens, pixel, surface);
+        let radius = surface(pose.up());
+        let old = pose.height(surface);
+        let new = (old * part.exp()).min(HIGHEST * radius);
+        pose.set_height(new, surface);
+        let change = (pose.height(surface) / old).ln();
+        let before = resting_pitch(old, radius);
+        let after = resting_pitch(pose.height(surface), radius);
+        let towards = 1.0 - (-TILT_RATE * change.abs()).exp();
+        let tilted = pose.pitch + after - before;
+        pose.turn(0.0, tilted + (after - tilted) * towards - pose.pitch);
+        if let Some(grip) = grip {
+            grip.bring_to(pose, lens, pixel);
+        }
+        pose.keep_above(surface);
+    }
+}
+
+impl Grip {
+    fn at(pose: &Pose, lens: &Lens, pixel: [f64; 2], surface: Surface<'_>) -> Option<Grip> {
+        let ray = pose.ray(lens, pixel);
+        let meet = |radius: f64| meet_sphere(pose.position, ray, radius).map(|direction| Grip { direction, radius });
+        let first = meet(surface(pose.up()))?;
+        // Once more at the height of the ground there, where that is below the viewer.
+        let radius = surface(first.direction);
+        meet(radius).or(Some(first))
+    }
+
+    /// Swings the viewer so that this ground appears at a pixel; near the limb, where a pixel is a long way, only some of it.
+    fn bring_to(self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2]) {
+        let ray = pose.ray(lens, pixel);
+        if let Some(there) = meet_sphere(pose.position, ray, self.radius) {
+            let horizon = (self.radius / pose.position.length()).min(1.0).acos();
+            pose.swing(there, self.direction, horizon);
+        }
+    }
+}
+
+/// The pitch in radians that suits a height above a planet of `radius`, in metres.
+fn resting_pitch(height: f64, radius: f64) -> f64 {
+    let (low, high) = (TILT_HEIGHTS.0.ln(), (TILT_HEIGHTS.1 * radius).ln());
+    let t = ((height.max(1.0).ln() - low) / (high - low)).clamp(0.0, 1.0);
+    let smooth = t * t * (3.0 - 2.0 * t);
+    (PITCH[0] + (PITCH[1] - PITCH[0]) * smooth).to_radians()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pose::tests::{ball, pose, LENS, RADIUS};
+    use super::*;
+
+    #[test]
+    fn dragged_ground_stays_under_the_cursor() {
+        for (height, pitch) in [(2e7, -90.0), (3e5, -50.0), (500.0, -30.0)] {
+            let mut viewer = pose(height, 30.0, pitch);
+            let mut camera = OrbitCamera::default();
+            camera.press(&viewer, &LENS, [300.0, 350.0], &ball);
+            let held = camera.grip.unwrap().direction;
+            camera.drag(&mut viewer, &LENS, [420.0, 400.0], &ball);
+            let seen = meet_sphere(viewer.position, viewer.ray(&LENS, [420.0, 400.0]), RADIUS).unwrap();
+            assert!(held.distance(seen) * RADIUS < 1e-6 * height, "{height}: {}", held.distance(seen) * RADIUS);
+            assert!((viewer.height(&ball) - height).abs() < 1e-6 * height);
+        }
+    }
+
+    #[test]
+    fn zooming_is_the_same_at_any_frame_rate() {
+        let zoomed = |steps: usize| {
+            let mut viewer = pose(1e6, 0.0, -70.0);
+            let mut camera = OrbitCamera::default();
+            camera.wheel(8.0);
+            (0..steps).for_each(|_| camera.step(&mut viewer, &LENS, [400.0, 300.0], 1.0 / steps as f64, &ball));
+            viewer
+        };
+        let (fast, slow) = (zoomed(240), zoomed(15));
+        assert!((fast.height(&ball) / slow.height(&ball) - 1.0).abs() < 1e-6);
+        assert!((fast.height(&ball) / (1e6 * (-2.0f64).exp()) - 1.0).abs() < 1e-3);
+        assert!((fast.pitch - slow.pitch).abs() < 0.02);
+    }
+
+    #[test]
+    fn zooming_down_ends_above_the_ground_with_the_horizon_in_sight() {
+        let mut viewer = pose(2e7, 0.0, -90.0);
+        let mut camera = OrbitCamera::default();
+        camera.wheel(200.0);
+        (0..600).for_each(|_| camera.step(&mut viewer, &LENS, [410.0, 290.0], 0.05, &ball));
+        assert!((viewer.height(&ball) - 2.0).abs() < 1e-6, "{}", viewer.height(&ball));
+        assert!((-20.0..-10.0).contains(&viewer.pitch.to_degrees()), "{}", viewer.pitch.to_degrees());
+    }
+}

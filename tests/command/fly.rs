@@ -1,0 +1,244 @@
+//! `terrane fly` as a process, under a display of its own: it starts, obeys mouse and keys, survives resizing, saves a picture, and
+//! ends without a word from validation.
+
+#![allow(clippy::unwrap_used, reason = "a failure fails the test")]
+
+use std::io::Read;
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+/// How long to wait for anything that should happen at once.
+const PATIENCE: Duration = Duration::from_secs(60);
+/// Time for a few frames of a software renderer under validation.
+const FRAMES: Duration = Duration::from_millis(700);
+/// Size of the window to begin with.
+const SIZE: (u32, u32) = (320, 240);
+
+fn terrane(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
+    command
+        .args(arguments)
+        .stdin(Stdio::null())
+        .env_remove("WAYLAND_DISPLAY")
+        .env_remove("WAYLAND_SOCKET")
+        .env_remove("RUST_LOG");
+    command
+}
+
+fn bake(folder: &Path) -> PathBuf {
+    let planet = folder.join("tiny.planet");
+    let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join("../planet/recipes/tiny.toml");
+    let mut command = terrane(&["bake", "--cells", "32", "--levels", "2", "--out"]);
+    let output = command.arg(&planet).arg(recipe).output().expect("terrane runs");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    planet
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// A process that ends with the test.
+struct Owned(Child);
+
+impl Drop for Owned {
+    fn drop(&mut self) {
+        let _ = self.0.kill();
+        let _ = self.0.wait();
+    }
+}
+
+/// An X server on a display number that it finds by itself. None if there is no Xvfb.
+fn display() -> Option<(Owned, String)> {
+    let mut command = Command::new("Xvfb");
+    command.args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"]);
+    let mut server = Owned(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().ok()?);
+    let mut stdout = server.0.stdout.take().unwrap();
+    let mut number = String::new();
+    let mut byte = [0];
+    // One line, written when the server is ready.
+    while stdout.read(&mut byte).unwrap() == 1 && byte[0] != b'\n' {
+        number.push(char::from(byte[0]));
+    }
+    assert!(!number.is_empty(), "Xvfb found no free display");
+    Some((server, format!(":{number}")))
+}
+
+/// Types and points at one window.
+struct Hand {
+    display: String,
+    window: String,
+}
+
+impl Hand {
+    fn xdotool(display: &str, arguments: &[&str]) -> Option<Output> {
+        Command::new("xdotool").args(arguments).env("DISPLAY", display).stdin(Stdio::null()).output().ok()
+    }
+
+    /// Waits for the window, and gives it the keyboard, which no window manager does here.
+    fn on(display: &str, flight: &mut Owned) -> Hand {
+        let begun = Instant::now();
+        loop {
+            let found = Hand::xdotool(display, &["search", "--onlyvisible", "--name", "Terrane"]).unwrap();
+            if let Some(window) = text(&found.stdout).lines().next() {
+                let hand = Hand { display: display.to_owned(), window: window.to_owned() };
+                hand.does(&["windowfocus", "--sync", window]);
+                return hand;
+            }
+            assert!(flight.0.try_wait().unwrap().is_none(), "it ended before its window came");
+            assert!(begun.elapsed() < PATIENCE, "no window");
+            std::thread::sleep(Duration::from_millis(50));
+        }
+    }
+
+    fn does(&self, arguments: &[&str]) {
+        let output = Hand::xdotool(&self.display, arguments).unwrap();
+        assert!(output.status.success(), "{arguments:?}: {}", text(&output.stderr));
+    }
+
+    /// Presses a key and lets a few frames go by.
+    fn key(&self, key: &str) {
+        self.does(&["key", key]);
+        std::thread::sleep(FRAMES);
+    }
+
+    /// Presses the key for a picture and waits for the file.
+    fn picture(&self, path: &Path) -> Picture {
+        self.does(&["key", "p"]);
+        let begun = Instant::now();
+        while !path.exists() {
+            assert!(begun.elapsed() < PATIENCE, "no {}", path.display());
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        Picture::read(path)
+    }
+}
+
+#[derive(PartialEq)]
+struct Picture {
+    size: (u32, u32),
+    rgb: Vec<u8>,
+}
+
+impl Picture {
+    fn read(path: &Path) -> Picture {
+        let file = std::io::BufReader::new(std::fs::File::open(path).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut rgb).unwrap();
+        Picture { size: (info.width, info.height), rgb }
+    }
+
+    fn brightness(&self, x: u32, y: u32) -> u32 {
+        let at = 3 * (y * self.size.0 + x) as usize;
+        self.rgb[at..at + 3].iter().map(|channel| u32::from(*channel)).sum()
+    }
+
+    fn colours(&self) -> usize {
+        self.rgb.chunks_exact(3).collect::<std::collections::HashSet<_>>().len()
+    }
+}
+
+/// Says that a test cannot run here; on CI that is a failure.
+fn skip(reason: &str) {
+    assert!(std::env::var_os("TERRANE_REQUIRE_GPU").is_none_or(|value| value != "1"), "{reason}");
+    eprintln!("skipped: {reason}");
+}
+
+#[test]
+fn a_flight_obeys_mouse_and_keys_and_leaves_validation_silent() {
+    let Some((_server, display)) = display() else { return skip("no Xvfb; apt install xvfb") };
+    if Hand::xdotool(&display, &["version"]).is_none() {
+        return skip("no xdotool; apt install xdotool");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let planet = bake(folder.path());
+    let mut command = terrane(&["fly", "--validate", "--size", "320x240", "--screenshots"]);
+    command.arg(folder.path()).arg(&planet).env("DISPLAY", &display).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut flight = Owned(command.spawn().unwrap());
+    let hand = Hand::on(&display, &mut flight);
+
+    let first = hand.picture(&folder.path().join("terrane-1.png"));
+    assert_eq!(first.size, SIZE);
+    assert!(first.colours() > 50, "{} colours", first.colours());
+    assert!(first.brightness(160, 120) > first.brightness(3, 3) + 60, "the planet is not brighter than space");
+
+    hand.does(&["mousemove", "120", "100", "mousedown", "1", "mousemove", "170", "130", "sleep", "0.3", "mouseup", "1"]);
+    hand.does(&["click", "--repeat", "6", "4"]);
+    std::thread::sleep(2 * FRAMES);
+    let nearer = hand.picture(&folder.path().join("terrane-2.png"));
+    assert!(nearer != first, "drag and wheel changed nothing");
+    assert!(nearer.brightness(3, 3) > first.brightness(3, 3) || nearer.colours() > first.colours(), "the wheel came no nearer");
+
+    for key in ["F1", "2", "3", "4", "5", "6", "m", "f", "l", "bracketright", "F1", "1"] {
+        hand.key(key);
+    }
+    hand.key("z");
+    let frozen = hand.picture(&folder.path().join("terrane-3.png"));
+    hand.key("Tab");
+    hand.does(&["keydown", "w", "mousedown", "3", "mousemove", "150", "90", "sleep", "1", "keyup", "w", "mouseup", "3"]);
+    let elsewhere = hand.picture(&folder.path().join("terrane-4.png"));
+    assert!(elsewhere != frozen, "the view froze with the selection");
+    hand.key("z");
+
+    hand.does(&["windowsize", "--sync", &hand.window, "200", "150"]);
+    std::thread::sleep(2 * FRAMES);
+    hand.does(&["windowunmap", &hand.window]);
+    std::thread::sleep(FRAMES);
+    hand.does(&["windowmap", "--sync", &hand.window, "windowfocus", "--sync", &hand.window]);
+    std::thread::sleep(FRAMES);
+    assert_eq!(hand.picture(&folder.path().join("terrane-5.png")).size, (200, 150));
+
+    hand.does(&["key", "Escape"]);
+    let (code, stdout, stderr) = end(flight);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(stdout.contains(" frames in "), "{stdout}");
+    assert_eq!(stderr, "");
+}
+
+/// Exit code and output of a flight that was told to end.
+fn end(mut flight: Owned) -> (Option<i32>, String, String) {
+    let begun = Instant::now();
+    let status = loop {
+        if let Some(status) = flight.0.try_wait().unwrap() {
+            break status;
+        }
+        assert!(begun.elapsed() < PATIENCE, "it did not end");
+        std::thread::sleep(Duration::from_millis(20));
+    };
+    let (mut stdout, mut stderr) = (String::new(), String::new());
+    flight.0.stdout.take().unwrap().read_to_string(&mut stdout).unwrap();
+    flight.0.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+    (status.code(), stdout, stderr)
+}
+
+#[test]
+fn without_a_display_it_says_so_and_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let planet = bake(folder.path());
+    for (display, found) in [(None, "DISPLAY is not set"), (Some(":987"), "DISPLAY is ':987'")] {
+        let mut command = terrane(&["fly"]);
+        command.arg(&planet).env_remove("DISPLAY");
+        if let Some(display) = display {
+            command.env("DISPLAY", display);
+        }
+        let output = command.output().unwrap();
+        let message = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{message}");
+        for part in ["no window system", found, "WAYLAND_DISPLAY is not set", "terrane shot"] {
+            assert!(message.contains(part), "{part}: {message}");
+        }
+        assert!(!message.contains("panicked"), "{message}");
+    }
+}
+
+#[test]
+fn a_file_that_is_no_planet_is_refused_before_a_window_opens() {
+    let folder = tempfile::tempdir().unwrap();
+    let notes = folder.path().join("notes.planet");
+    std::fs::write(&notes, "some notes\n").unwrap();
+    let output = terrane(&["fly"]).arg(&notes).env_remove("DISPLAY").output().unwrap();
+    assert_eq!(output.status.code(), Some(1));
+    assert!(text(&output.stderr).contains("notes.planet"), "{}", text(&output.stderr));
+}
