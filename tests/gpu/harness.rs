@@ -1,5 +1,6 @@
 //! A device that must stay silent, and a small planet to draw.
 
+use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
@@ -7,7 +8,7 @@ use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::verify::Verifier;
 use terrane::vulkan::{Context, ContextOptions, MessageLog};
-use terrane_planet::bake::{bake, BakePlan};
+use terrane_planet::bake::{bake, BakePlan, Region};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::store::PlanetFile;
@@ -55,7 +56,7 @@ pub(crate) fn device() -> Option<Checked> {
     }
 }
 
-/// The tiny planet to level 2, baked once a process.
+/// The tiny planet to level 1 with finer ground about a face corner, so that levels mix; baked once a process.
 pub(crate) fn planet_file() -> &'static Path {
     static FILE: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
     let make = || {
@@ -64,7 +65,8 @@ pub(crate) fn planet_file() -> &'static Path {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("tiny.planet");
         let mut file = PlanetFile::create_or_resume(&path, &planet.header()).unwrap();
-        let plan = BakePlan::new(planet.recipe.radius, 2, None).unwrap();
+        let region = Region { direction: DVec3::ONE.normalize(), radius_m: 500.0, to_level: 5 };
+        let plan = BakePlan::new(planet.recipe.radius, 1, Some(region)).unwrap();
         bake(&mut file, &planet.terrain, &planet.terrain, &plan, 2, &|_| (), &AtomicBool::new(false)).unwrap();
         (folder, path)
     };

@@ -7,7 +7,7 @@ use terrane::vulkan::{download, Commands};
 use terrane_planet::layout::Mode;
 
 /// Far fewer than any view emits.
-const CAPACITY: u32 = 50;
+const CAPACITY: u32 = 20;
 /// A word that no emitted index has.
 const UNTOUCHED: u32 = u32::MAX;
 
