@@ -4,6 +4,7 @@ use crate::frame::{FrameTables, Look, Renderer};
 use crate::scene::{Scene, SceneError};
 use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps};
 use std::sync::Arc;
+use std::time::Instant;
 use terrane_planet::layout::EmitState;
 use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
@@ -28,6 +29,10 @@ pub struct FrameReport {
     pub counters: EmitState,
     /// The tables the frame was drawn from.
     pub tables: FrameTables,
+    /// CPU milliseconds for making the tables and writing them into the GPU's buffers.
+    pub tables_ms: f64,
+    /// CPU milliseconds for recording the commands.
+    pub record_ms: f64,
 }
 
 /// What the mesh stages of a frame left on the GPU.
@@ -54,26 +59,34 @@ impl Headless {
 
     /// Draws one frame and waits for it.
     pub fn render(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<FrameReport, SceneError> {
+        let begun = Instant::now();
         let tables = self.renderer.prepare(scene, view, cut, look, false)?;
+        let tables_ms = milliseconds_since(begun);
+        let begun = Instant::now();
         self.commands.begin()?;
         self.renderer.record_mesh(&mut self.commands, scene, &tables)?;
         self.commands.transition(self.picture.view(), Access::Undefined, Access::ColorTarget)?;
         self.renderer.record_picture(&mut self.commands, scene, look, self.picture.view())?;
+        let record_ms = milliseconds_since(begun);
         let times = self.commands.submit_and_wait()?;
         let counters = self.renderer.counters()?;
         if counters.wanted > counters.capacity {
             tracing::warn!(wanted = counters.wanted, drawn = counters.capacity, "more triangles than the index buffer holds");
         }
-        Ok(FrameReport { times, counters, tables })
+        Ok(FrameReport { times, counters, tables, tables_ms, record_ms })
     }
 
     /// Runs only the mesh stages of a frame over all patches of the cut, seen or not.
     pub fn select_whole(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<FrameReport, SceneError> {
+        let begun = Instant::now();
         let tables = self.renderer.prepare(scene, view, cut, look, true)?;
+        let tables_ms = milliseconds_since(begun);
+        let begun = Instant::now();
         self.commands.begin()?;
         self.renderer.record_mesh(&mut self.commands, scene, &tables)?;
+        let record_ms = milliseconds_since(begun);
         let times = self.commands.submit_and_wait()?;
-        Ok(FrameReport { times, counters: self.renderer.counters()?, tables })
+        Ok(FrameReport { times, counters: self.renderer.counters()?, tables, tables_ms, record_ms })
     }
 
     /// Reads back what the mesh stages of the latest frame wrote; `report` is that frame's.
@@ -91,4 +104,8 @@ impl Headless {
     pub fn pixels(&self) -> Result<Vec<u8>, SceneError> {
         Ok(capture(&self.context, &self.picture, (0, 0), Access::ColorTarget)?.to_rgba8()?)
     }
+}
+
+fn milliseconds_since(begun: Instant) -> f64 {
+    begun.elapsed().as_secs_f64() * 1e3
 }

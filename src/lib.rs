@@ -8,6 +8,7 @@
 pub mod app;
 pub mod frame;
 pub mod headless;
+pub mod measure;
 pub mod scene;
 pub mod shaders;
 pub mod verify;

@@ -3,6 +3,8 @@
 
 pub mod bake;
 pub mod border;
+pub mod camera_path;
+pub mod export;
 pub mod ground;
 pub mod lattice;
 pub mod layout;

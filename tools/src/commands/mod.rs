@@ -32,9 +32,11 @@ macro_rules! commands {
 
 commands! {
     bake => Bake,
+    bench => Bench,
     fly => Fly,
     gpus => Gpus,
     info => Info,
+    mesh => Mesh,
     shot => Shot,
     verify => Verify,
 }

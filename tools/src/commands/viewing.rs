@@ -5,6 +5,7 @@ use glam::DVec3;
 use std::sync::Arc;
 use terrane::frame::{sun_over, Look, DAYLIGHT};
 use terrane::vulkan::{Context, ContextOptions, GpuChoice, ValidationMessage};
+use terrane_planet::camera_path::Keyframe;
 use terrane_planet::layout::Mode;
 use terrane_planet::planet::Planet;
 use terrane_planet::sphere::direction_at;
@@ -100,14 +101,20 @@ impl CameraOptions {
         let (least, most) = TOLERANCE_RANGE;
         ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
         ensure!((0.5..=1e9).contains(&altitude), "--at: altitude {altitude} is not within 0.5 and 1e9 metres");
-        let place = self.place();
-        let ground = planet.terrain.height(place);
-        let surface = planet.recipe.sea.as_ref().map_or(ground, |sea| ground.max(sea.level_m));
-        let position = place * (planet.recipe.radius + surface + altitude);
         let [heading, pitch] = self.look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude, self.fov)]);
         ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
-        Ok(Camera::looking(position, heading, pitch, self.fov.to_radians(), self.size))
+        let stand = Keyframe { time_s: 0.0, latitude, longitude, altitude_m: altitude, heading, pitch, fov: self.fov };
+        Ok(camera_over(planet, &stand, self.size))
     }
+}
+
+/// The camera at a keyframe over a planet: altitudes count from the ground or the sea there, whichever is higher.
+pub(crate) fn camera_over(planet: &Planet, stand: &Keyframe, size: [u32; 2]) -> Camera {
+    let place = direction_at(stand.latitude, stand.longitude);
+    let ground = planet.terrain.height(place);
+    let surface = planet.recipe.sea.as_ref().map_or(ground, |sea| ground.max(sea.level_m));
+    let position = place * (planet.recipe.radius + surface + stand.altitude_m);
+    Camera::looking(position, stand.heading, stand.pitch, stand.fov.to_radians(), size)
 }
 
 /// Pitch that puts the horizon into the upper third of the picture; straight down where the whole planet fits into it.

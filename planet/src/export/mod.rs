@@ -1,0 +1,131 @@
+//! Meshes for other programs: exactly the triangles that a view draws, as OBJ, PLY or GLB.
+//!
+//! In: stored patches and a view. Out: the bytes of a file. The CPU twins decide the triangles, so that no GPU is needed; the
+//! vertices of all patches are welded by their lattice positions.
+//!
+//! OBJ and PLY hold planet-fixed metres without any rounding: a lattice unit is a power of two, so every position is a finite
+//! decimal (OBJ) and a double (PLY). The axes are the planet's: +Z north, +X towards longitude 0, +Y towards 90° east. GLB holds
+//! single precision only and is Y-up, see [`glb`].
+
+pub mod glb;
+pub mod obj;
+pub mod ply;
+mod surface;
+
+pub use surface::{view_surface, Welded};
+
+use crate::lattice::Lattice;
+use glam::{DVec3, IVec3};
+use std::path::Path;
+use thiserror::Error;
+
+/// Why a mesh cannot be written.
+#[derive(Clone, Debug, PartialEq, Eq, Error)]
+pub enum ExportError {
+    /// A file name that says nothing, or something else.
+    #[error("'{file}': its extension names no mesh format; expected .glb, .obj or .ply")]
+    UnknownFormat {
+        /// The file name.
+        file: String,
+    },
+    /// Nothing to write.
+    #[error("the view draws no triangle; point the camera at the ground, or ask for the whole planet")]
+    Empty,
+    /// More than a format can count.
+    #[error("{what} of {found}, but {format} files hold at most {most}; ask for a coarser mesh or write another format")]
+    TooLarge {
+        /// What there is too much of.
+        what: &'static str,
+        /// How much there is.
+        found: u64,
+        /// The format.
+        format: &'static str,
+        /// How much fits.
+        most: u64,
+    },
+}
+
+/// A mesh format.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// Binary glTF 2.0.
+    Glb,
+    /// Wavefront OBJ.
+    Obj,
+    /// Binary PLY 1.0.
+    Ply,
+}
+
+impl Format {
+    /// The format that a file name's extension asks for.
+    ///
+    /// # Errors
+    /// For any but `glb`, `obj` and `ply`, in whatever case.
+    pub fn of(path: &Path) -> Result<Format, ExportError> {
+        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
+        match extension.as_deref() {
+            Some("glb") => Ok(Format::Glb),
+            Some("obj") => Ok(Format::Obj),
+            Some("ply") => Ok(Format::Ply),
+            _ => Err(ExportError::UnknownFormat { file: path.display().to_string() }),
+        }
+    }
+
+    /// Its name in messages.
+    pub fn name(self) -> &'static str {
+        match self {
+            Format::Glb => "GLB",
+            Format::Obj => "OBJ",
+            Format::Ply => "PLY",
+        }
+    }
+}
+
+/// A welded surface and the place its coordinates start from.
+pub struct Placed<'a> {
+    /// Triangles and lattice positions.
+    pub surface: &'a Welded,
+    /// Lattice point that becomes 0, 0, 0: zero for planet-centred coordinates.
+    pub origin: IVec3,
+    /// The planet's lattice.
+    pub lattice: Lattice,
+}
+
+impl Placed<'_> {
+    /// A vertex in metres from the origin. Exact: differences have 32 bits, and the unit is a power of two.
+    pub fn metres(&self, position: IVec3) -> DVec3 {
+        (position.as_dvec3() - self.origin.as_dvec3()) * self.lattice.unit
+    }
+
+    /// Largest coordinate in metres, by magnitude.
+    pub fn largest_coordinate(&self) -> f64 {
+        self.surface.positions.iter().map(|&p| self.metres(p).abs().max_element()).fold(0.0, f64::max)
+    }
+
+    /// The bytes of a file.
+    ///
+    /// # Errors
+    /// For a surface without triangles, or one that is too large for the format.
+    pub fn encode(&self, format: Format) -> Result<Vec<u8>, ExportError> {
+        if self.surface.triangles.is_empty() {
+            return Err(ExportError::Empty);
+        }
+        match format {
+            Format::Glb => glb::encode(self),
+            Format::Obj => Ok(obj::encode(self)),
+            Format::Ply => ply::encode(self),
+        }
+    }
+
+    /// Where the origin is, for people: lattice units and their length.
+    fn provenance(&self) -> String {
+        let [x, y, z] = self.origin.to_array();
+        format!("origin at lattice {x} {y} {z} from the planet's centre, lattice unit {} m", self.lattice.unit)
+    }
+}
+
+/// The lattice point near a view's anchor to measure from: a multiple of 64 units, which makes its coordinates in metres exact
+/// in single precision too (they have 30 bits, of which the last 6 are 0).
+pub fn origin_near(anchor: [i32; 3]) -> IVec3 {
+    IVec3::from_array(anchor.map(|c| c & !63))
+}

@@ -1,0 +1,58 @@
+//! Wavefront OBJ: text, exact decimals, one object of triangles.
+
+use super::Placed;
+use std::fmt::Write;
+
+/// The bytes of a file.
+pub fn encode(mesh: &Placed) -> Vec<u8> {
+    let mut text = format!("# Terrane: planet-fixed metres, +Z north, +X longitude 0\n# {}\no terrane\n", mesh.provenance());
+    let digits = decimals(mesh.lattice.unit);
+    for &position in &mesh.surface.positions {
+        text.push('v');
+        for metres in mesh.metres(position).to_array() {
+            text.push(' ');
+            push_decimal(&mut text, metres, digits);
+        }
+        text.push('\n');
+    }
+    for triangle in &mesh.surface.triangles {
+        let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
+        // Writing to a string cannot fail.
+        let _ = writeln!(text, "f {a} {b} {c}");
+    }
+    text.into_bytes()
+}
+
+/// Decimals that a multiple of a power of two can have.
+fn decimals(unit: f64) -> usize {
+    (-unit.log2()).max(0.0) as usize
+}
+
+/// All digits of a number, without zeros at the end: so many decimals print a multiple of the unit as it is.
+fn push_decimal(text: &mut String, number: f64, decimals: usize) {
+    let _ = write!(text, "{number:.decimals$}");
+    if decimals > 0 {
+        text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn decimals_are_exact() {
+        let written = |number, unit: f64| {
+            let mut text = String::new();
+            push_decimal(&mut text, number, decimals(unit));
+            text
+        };
+        assert_eq!(written(-1.0 / 128.0, 1.0 / 128.0), "-0.0078125");
+        assert_eq!(written(6_371_000.5, 1.0 / 128.0), "6371000.5");
+        assert_eq!(written(100.0, 1.0 / 128.0), "100");
+        assert_eq!(written(100.0, 4.0), "100");
+        // More digits than a shortest round trip would show.
+        let unit = 2f64.powi(-20);
+        assert_eq!(written(16_385.0 + unit, unit), "16385.00000095367431640625");
+    }
+}

@@ -1,0 +1,89 @@
+//! The surface that a view draws, in one piece.
+
+use crate::layout::PatchVertex;
+use crate::patch::PatchId;
+use crate::reference::cut::{cut, distance_to_box, is_visible, Leaf};
+use crate::reference::{emit::emit, resolve::resolve, select::select};
+use crate::tree::PatchTree;
+use crate::verify::LoadedPatch;
+use crate::view::View;
+use glam::IVec3;
+use std::collections::HashMap;
+
+/// Triangles that share vertices: every lattice position is there once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Welded {
+    /// Lattice positions, in order of first use.
+    pub positions: Vec<IVec3>,
+    /// Corners as places in `positions`, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// Patches that any triangle came from.
+    pub patches: usize,
+    numbers: HashMap<IVec3, u32>,
+}
+
+impl Welded {
+    /// Adds the triangles of a patch.
+    pub fn add(&mut self, vertices: &[PatchVertex], triangles: &[[u32; 3]]) {
+        self.patches += usize::from(!triangles.is_empty());
+        let mut known = vec![u32::MAX; vertices.len()];
+        for triangle in triangles {
+            let welded = triangle.map(|v| {
+                let number = &mut known[v as usize];
+                if *number == u32::MAX {
+                    *number = self.number(IVec3::from_array(vertices[v as usize].position));
+                }
+                *number
+            });
+            self.triangles.push(welded);
+        }
+    }
+
+    fn number(&mut self, position: IVec3) -> u32 {
+        let next = self.positions.len() as u32;
+        let number = *self.numbers.entry(position).or_insert(next);
+        if number == next {
+            self.positions.push(position);
+        }
+        number
+    }
+
+    /// Directed edges that no opposite edge cancels: 0 for a closed surface.
+    pub fn open_edges(&self) -> usize {
+        let directed = self.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
+        let mut edges: Vec<(u32, u32, i32)> = directed.map(|(a, b)| (a.min(b), a.max(b), if a < b { 1 } else { -1 })).collect();
+        edges.sort_unstable();
+        let left = |run: &[(u32, u32, i32)]| run.iter().map(|e| e.2).sum::<i32>().unsigned_abs() as usize;
+        edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).map(left).sum()
+    }
+}
+
+/// The surface that a view draws of all stored patches; `load` reads one. `whole` draws what is out of sight too, which makes
+/// one closed surface around the planet.
+///
+/// # Errors
+/// Those of `load`.
+pub fn view_surface<E>(
+    tree: &PatchTree,
+    view: &View,
+    whole: bool,
+    mut load: impl FnMut(PatchId) -> Result<LoadedPatch, E>,
+) -> Result<Welded, E> {
+    let view = if whole { view.without_culling() } else { *view };
+    let mut surface = Welded::default();
+    for leaf in cut(tree, &view, &|_| true).leaves {
+        if whole || tree.get(leaf.id).is_some_and(|node| is_visible(tree, &view, node)) {
+            let patch = load(leaf.id)?;
+            surface.add(&patch.vertices, &drawn(&view, &leaf, &patch));
+        }
+    }
+    Ok(surface)
+}
+
+/// The triangles that a view draws of a patch.
+fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch) -> Vec<[u32; 3]> {
+    let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+    let vertices = &patch.vertices[..level.vertices as usize];
+    let awake = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+    emit(&view.gpu, vertices, patch.triangles(level), &resolve(vertices, &awake))
+}

@@ -1,0 +1,104 @@
+//! `terrane mesh` and `terrane bench` as processes.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::{device, terrane, text};
+use std::path::{Path, PathBuf};
+use terrane_planet::bake::{bake, BakePlan};
+use terrane_planet::planet::Planet;
+use terrane_planet::recipe::Recipe;
+use terrane_planet::store::PlanetFile;
+
+/// Bakes a small planet into a folder.
+fn planet_in(folder: &Path) -> PathBuf {
+    let recipe = Recipe::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../planet/recipes/tiny.toml")).unwrap();
+    let planet = Planet::from_recipe(recipe, 16).unwrap();
+    let out = folder.join("tiny.planet");
+    let mut file = PlanetFile::create_or_resume(&out, &planet.header()).unwrap();
+    let plan = BakePlan::new(planet.recipe.radius, 2, None).unwrap();
+    bake(&mut file, &planet.terrain, &planet.terrain, &plan, 2, &|_| (), &false.into()).unwrap();
+    out
+}
+
+fn json(bytes: &[u8]) -> serde_json::Value {
+    serde_json::from_slice(bytes).unwrap_or_else(|e| panic!("{e}: {}", text(bytes)))
+}
+
+#[test]
+fn meshes_are_written_whole_and_described() {
+    let folder = tempfile::tempdir().unwrap();
+    planet_in(folder.path());
+    let mut triangles = Vec::new();
+    for (name, whole) in [("a.obj", true), ("a.ply", true), ("a.glb", true), ("view.glb", false)] {
+        let mut arguments = vec!["mesh", "tiny.planet", "--at", "10,20,500", "--look", "30,-20", "--out", name, "--json"];
+        arguments.extend(whole.then_some("--whole"));
+        let output = terrane(&arguments, folder.path());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let summary = json(&output.stdout);
+        assert_eq!((&summary["closed"], &summary["mesh"]), (&whole.into(), &name.into()));
+        assert_eq!(summary["bytes"], std::fs::metadata(folder.path().join(name)).unwrap().len());
+        assert!(summary["largest_coordinate_m"].as_f64().unwrap() < 70_000.0);
+        triangles.push(summary["triangles"].as_u64().unwrap());
+    }
+    assert!(triangles[0] > 1000 && triangles[..3].iter().all(|t| *t == triangles[0]), "{triangles:?}");
+    assert!((50..triangles[0]).contains(&triangles[3]), "{triangles:?}");
+}
+
+#[test]
+fn failed_meshes_leave_nothing_behind() {
+    let folder = tempfile::tempdir().unwrap();
+    planet_in(folder.path());
+    std::fs::create_dir(folder.path().join("folder.obj")).unwrap();
+    let cases = [
+        ("a.stl", "-20", "expected .glb, .obj or .ply"),
+        ("no/such/a.obj", "-20", "cannot write the mesh no/such/a.obj"),
+        ("folder.obj", "-20", "cannot write the mesh folder.obj"),
+        ("a.obj", "60", "draws no triangle"),
+    ];
+    for (out, pitch, message) in cases {
+        let output =
+            terrane(&["mesh", "tiny.planet", "--at", "0,95,500", "--look", &format!("0,{pitch}"), "--out", out], folder.path());
+        assert_eq!(output.status.code(), Some(1), "{out}");
+        assert!(text(&output.stderr).contains(message), "{out}: {}", text(&output.stderr));
+    }
+    let mut left: Vec<_> = std::fs::read_dir(folder.path()).unwrap().map(|e| e.unwrap().file_name()).collect();
+    left.sort();
+    assert_eq!(left, ["folder.obj", "tiny.planet"]);
+}
+
+#[test]
+fn benches_record_every_frame() {
+    if device().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    planet_in(folder.path());
+    let arguments =
+        ["bench", "tiny.planet", "--path", "descent", "--frames", "3", "--warmup", "1", "--size", "160x90", "--json", "b.json"];
+    let output = terrane(&arguments, folder.path());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(text(&output.stdout).contains("gpu wall ms"));
+    let result = json(&std::fs::read(folder.path().join("b.json")).unwrap());
+    let rows = result["rows"].as_array().unwrap();
+    assert_eq!(rows.len(), 3);
+    let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap();
+    assert!(number(0, "triangles") > 0.0 && number(2, "triangles") > 0.0 && number(1, "frame_ms") > 0.0, "{rows:?}");
+    assert!((number(0, "altitude_m") / 2e7 - 1.0).abs() < 1e-9 && number(2, "time_s") == 60.0);
+    assert!(!result["commit"].as_str().unwrap().is_empty() && !result["device"].as_str().unwrap().is_empty());
+    assert_eq!(result["summary"]["frame ms"]["frames"], 3);
+}
+
+#[test]
+fn bad_paths_are_explained() {
+    let folder = tempfile::tempdir().unwrap();
+    planet_in(folder.path());
+    std::fs::write(folder.path().join("bad.json"), "[{\"time_s\": 0}]").unwrap();
+    for (path, message) in [("ascent", "built-in paths: descent"), ("bad.json", "missing field `latitude`")] {
+        let output = terrane(&["bench", "tiny.planet", "--path", path], folder.path());
+        assert_eq!(output.status.code(), Some(1), "{path}");
+        assert!(text(&output.stderr).contains(message), "{path}: {}", text(&output.stderr));
+    }
+}

@@ -1,0 +1,32 @@
+//! What the tests that run the command share.
+
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use terrane::vulkan::{Context, ContextOptions};
+
+/// Runs the command in a folder.
+pub(crate) fn terrane(arguments: &[&str], folder: &Path) -> Output {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
+    command.args(arguments).current_dir(folder).stdin(Stdio::null()).output().expect("terrane runs")
+}
+
+/// Whether there is a device to render with; none prints "skipped", or fails where `TERRANE_REQUIRE_GPU=1`.
+pub(crate) fn device() -> Option<String> {
+    match Context::new(&ContextOptions::default()) {
+        Ok(context) => {
+            let info = context.device_info();
+            Some(format!("{}, {} {}", info.name, info.driver, info.driver_info))
+        }
+        Err(error) => {
+            let required = std::env::var("TERRANE_REQUIRE_GPU").is_ok_and(|value| value == "1");
+            assert!(!required, "TERRANE_REQUIRE_GPU=1, but: {error}");
+            println!("skipped: {error}");
+            None
+        }
+    }
+}
+
+/// Bytes as text, for messages.
+pub(crate) fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
