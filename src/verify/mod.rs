@@ -112,7 +112,9 @@ fn check_surface(scene: &Scene, twins: &[Twin], frame: &FrameReport, selection: 
         faults.flipped += after.flipped - before.flipped;
         faults.degenerate += after.degenerate - before.degenerate;
         match &twin.known.rings {
-            Some(rings) if mismatches.patches == 0 => faults.closure_violations += rings.violations(twin.words_of(draw, selection)),
+            Some(rings) if mismatches.patches == 0 => {
+                faults.closure_violations += rings.violations(twin.words_of(draw, selection))
+            }
             Some(_) => {}
             None => report.broken_hierarchies += 1,
         }

@@ -131,7 +131,8 @@ mod tests {
     fn triangles_of_no_patch_are_stray() {
         let patches = [PatchDraw { vertex_count: 3, ..Default::default() }; 2];
         let second = 1 << VERTEX_BITS;
-        let triangles = [[0, 1, 2], [second, second + 1, second + 2], [0, 1, second], [0, 1, 3], [2 * second, 2 * second, 2 * second]];
+        let triangles =
+            [[0, 1, 2], [second, second + 1, second + 2], [0, 1, second], [0, 1, 3], [2 * second, 2 * second, 2 * second]];
         let (lists, stray) = triangles_by_patch(&patches, &triangles);
         assert_eq!((lists, stray), (vec![vec![[0, 1, 2]], vec![[0, 1, 2]]], 3));
     }

@@ -14,11 +14,7 @@ use super::Context;
 ///
 /// # Errors
 /// A range past the end, out of memory, or device loss.
-pub fn download<T: AnyBitPattern + NoUninit>(
-    context: &Arc<Context>,
-    buffer: &Buffer,
-    count: usize,
-) -> Result<Vec<T>> {
+pub fn download<T: AnyBitPattern + NoUninit>(context: &Arc<Context>, buffer: &Buffer, count: usize) -> Result<Vec<T>> {
     if count == 0 {
         return Ok(Vec::new());
     }
@@ -26,8 +22,6 @@ pub fn download<T: AnyBitPattern + NoUninit>(
     buffer.raw.check_range(0, bytes)?;
     let usage = Usage::TRANSFER_DST;
     let target = Buffer::new(context, "download", bytes, usage, Memory::Readback)?;
-    Commands::once(context, "download", |commands| {
-        commands.copy_buffer((buffer, 0), (&target, 0), bytes)
-    })?;
+    Commands::once(context, "download", |commands| commands.copy_buffer((buffer, 0), (&target, 0), bytes))?;
     target.read(0, count)
 }

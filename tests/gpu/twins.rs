@@ -55,7 +55,8 @@ fn awake_vertex(bench: &mut Bench, view: &View) -> (PatchId, usize) {
     for leaf in bench.scene.settle(view).unwrap().leaves {
         let vertices = &bench.verifier.patch_mut(leaf.id).unwrap().vertices;
         let could_sleep = |wakes: u32| wakes >> 16 < u32::from(Wake::ALWAYS.code());
-        let found = vertices.iter().position(|v| could_sleep(v.grid_own) && is_awake(&view.gpu, v, u32::from(leaf.coarser_sides)));
+        let found =
+            vertices.iter().position(|v| could_sleep(v.grid_own) && is_awake(&view.gpu, v, u32::from(leaf.coarser_sides)));
         if let Some(found) = found {
             return (leaf.id, found);
         }
