@@ -39,17 +39,11 @@ fn report(recipe: &Recipe, terrain: &Terrain, heights: &[f64], [nanoseconds, cen
     let low = heights.iter().copied().fold(f64::INFINITY, f64::min);
     let high = heights.iter().copied().fold(f64::NEG_INFINITY, f64::max);
     let (least, most) = terrain.height_range();
-    println!(
-        "{}: {nanoseconds:.0} ns/sample, heights {low:.1} to {high:.1} m of {least:.0} to {most:.0} m",
-        recipe.name
-    );
+    println!("{}: {nanoseconds:.0} ns/sample, heights {low:.1} to {high:.1} m of {least:.0} to {most:.0} m", recipe.name);
     println!("height at the centre: {centre:.1} m");
     if let Some(sea) = &recipe.sea {
         let wet = heights.iter().filter(|&&h| h < sea.level_m).count();
-        println!(
-            "{:.1} % of the map under water",
-            100.0 * wet as f64 / heights.len() as f64
-        );
+        println!("{:.1} % of the map under water", 100.0 * wet as f64 / heights.len() as f64);
     }
 }
 
@@ -59,20 +53,12 @@ impl View {
         let size = option("--size").map_or(Ok(0), |s| s.parse())?;
         let Some(at) = option("--at") else {
             let rows = if size > 0 { size / 2 } else { 512 };
-            return Ok(Self {
-                columns: 2 * rows,
-                rows,
-                window: None,
-            });
+            return Ok(Self { columns: 2 * rows, rows, window: None });
         };
         let (lat, lon) = at.split_once(',').ok_or("--at takes LAT,LON in degrees")?;
         let width: f64 = option("--width-km").ok_or("--at needs --width-km")?.parse()?;
         let size = if size > 0 { size } else { 640 };
-        Ok(Self {
-            columns: size,
-            rows: size,
-            window: Some(([lat.parse()?, lon.parse()?], width * 1000.0)),
-        })
+        Ok(Self { columns: size, rows: size, window: Some(([lat.parse()?, lon.parse()?], width * 1000.0)) })
     }
 
     /// Directions row by row from the north-west, and for each row the metres between samples (east, south).
@@ -85,11 +71,7 @@ impl View {
                 let u = (column as f64 + 0.5) / self.columns as f64;
                 directions.push(self.direction(u, v, radius));
             }
-            let shrink = if self.window.is_some() {
-                1.0
-            } else {
-                ((0.5 - v) * std::f64::consts::PI).cos().max(0.02)
-            };
+            let shrink = if self.window.is_some() { 1.0 } else { ((0.5 - v) * std::f64::consts::PI).cos().max(0.02) };
             let width = self.window.map_or(radius * std::f64::consts::TAU, |(_, w)| w);
             let step = width / self.columns as f64;
             spacing.push([step * shrink, step]);
@@ -109,14 +91,7 @@ impl View {
         (centre * (1.0 - x * x - y * y).max(0.0).sqrt() + east * x + north * y).normalize()
     }
 
-    fn shade(
-        &self,
-        recipe: &Recipe,
-        terrain: &Terrain,
-        directions: &[DVec3],
-        heights: &[f64],
-        spacing: &[[f64; 2]],
-    ) -> Vec<u8> {
+    fn shade(&self, recipe: &Recipe, terrain: &Terrain, directions: &[DVec3], heights: &[f64], spacing: &[[f64; 2]]) -> Vec<u8> {
         let gradients: Vec<[f64; 2]> = (0..heights.len()).map(|i| self.gradient(heights, spacing, i)).collect();
         let ground = |i: usize| GroundPoint {
             direction: directions[i],
@@ -127,10 +102,7 @@ impl View {
         let mut albedo = vec![[0; 3]; points.len()];
         let start = Instant::now();
         terrain.albedo(&points, &mut albedo);
-        println!(
-            "albedo: {:.0} ns/sample",
-            start.elapsed().as_nanos() as f64 / points.len() as f64
-        );
+        println!("albedo: {:.0} ns/sample", start.elapsed().as_nanos() as f64 / points.len() as f64);
         // Coarse maps flatten slopes, so the shading exaggerates them.
         let exaggeration = (spacing[0][1] / 400.0).clamp(1.0, 12.0);
         let lit = |i: usize| light(recipe, albedo[i], heights[i], gradients[i].map(|g| g * exaggeration));

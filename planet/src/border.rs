@@ -95,7 +95,11 @@ impl BorderLine {
 /// it lies halfway between, the target being the one that lives longer.
 pub fn targets(k: i64) -> (i64, i64) {
     let step = k & -k;
-    if (k / step) % 4 == 1 { (k - step, k + step) } else { (k + step, k - step) }
+    if (k / step) % 4 == 1 {
+        (k - step, k + step)
+    } else {
+        (k + step, k - step)
+    }
 }
 
 fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], kappa: f64) -> Vec<Wake> {
@@ -111,7 +115,8 @@ fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], kappa: f64) -> Vec<Wake> {
             let raw = error / kappa + reach(rows, b, step);
             wakes[b] = Wake::round_up(wanted[b].max(raw));
             for x in [a, c] {
-                wanted[x] = wanted[x].max((wakes[b].distance() + line[b].position.distance(line[x].position)) * PROPAGATION_MARGIN);
+                wanted[x] =
+                    wanted[x].max((wakes[b].distance() + line[b].position.distance(line[x].position)) * PROPAGATION_MARGIN);
             }
         }
         step *= 2;

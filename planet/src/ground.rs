@@ -1,8 +1,8 @@
 //! Ground samples: heights over cube points, quantised to the lattice.
 
 use crate::lattice::Lattice;
-use crate::sphere::{direction, normalise, warp_component, CubePoint};
 use crate::patch::PatchId;
+use crate::sphere::{direction, normalise, warp_component, CubePoint};
 use glam::{DVec3, IVec3};
 
 /// Terrain as a pure function of direction. Implementations use only exactly rounded operations, so that every machine

@@ -168,7 +168,9 @@ mod tests {
 
     fn all(level: u8) -> impl Iterator<Item = PatchId> {
         let count = 1u32 << level;
-        Face::ALL.into_iter().flat_map(move |face| (0..count * count).map(move |k| PatchId { face, level, x: k % count, y: k / count }))
+        Face::ALL
+            .into_iter()
+            .flat_map(move |face| (0..count * count).map(move |k| PatchId { face, level, x: k % count, y: k / count }))
     }
 
     fn side_points(id: PatchId, side: Side) -> Vec<CubePoint> {

@@ -104,13 +104,23 @@ impl Face {
     pub fn grid_axes(self) -> (usize, usize) {
         let w = self.normal_axis();
         let (a, b) = ((w + 1) % 3, (w + 2) % 3);
-        if self.sign() > 0 { (a, b) } else { (b, a) }
+        if self.sign() > 0 {
+            (a, b)
+        } else {
+            (b, a)
+        }
     }
 
     /// The face a direction falls on (the lowest-numbered of several).
     pub fn containing(direction: DVec3) -> Face {
         let a = direction.abs();
-        let axis = if a.x >= a.y && a.x >= a.z { 0 } else if a.y >= a.z { 1 } else { 2 };
+        let axis = if a.x >= a.y && a.x >= a.z {
+            0
+        } else if a.y >= a.z {
+            1
+        } else {
+            2
+        };
         Face::of_axis(axis, direction[axis] >= 0.0)
     }
 

@@ -43,7 +43,11 @@ fn a_full_size_patch_builds() {
         let start = std::time::Instant::now();
         let (surface, hierarchy) = build_patch(&field, 128, id);
         let always = hierarchy.own.iter().filter(|w| w.distance().is_infinite()).count();
-        println!("level {level}: {:.0} ms for {} vertices, {always} always awake", start.elapsed().as_secs_f64() * 1e3, surface.len());
+        println!(
+            "level {level}: {:.0} ms for {} vertices, {always} always awake",
+            start.elapsed().as_secs_f64() * 1e3,
+            surface.len()
+        );
         assert_eq!(hierarchy.faults, Faults::default());
         assert!(always < 64);
     }

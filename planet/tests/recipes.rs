@@ -49,10 +49,7 @@ fn shipped_recipe_does_not_parse() {
 
 #[test]
 fn minimal_recipe_is_refused() {
-    let recipe = parse(&with_layer(
-        "kind = \"plains\"\nwavelength_m = 50\ngain = 0.5\namplitude_m = 3",
-    ))
-    .unwrap();
+    let recipe = parse(&with_layer("kind = \"plains\"\nwavelength_m = 50\ngain = 0.5\namplitude_m = 3")).unwrap();
     assert!(matches!(&recipe.layers[0], Layer::Plains(p) if p.octaves.detail_m == 1.0));
 }
 
@@ -72,91 +69,46 @@ fn unknown_key_is_accepted() {
     let parts = ["t.toml:4", "`colour`", "unknown key", "radius_m"];
     assert_refused(&format!("{HEAD}colour = 3\n{PALETTE}"), &parts);
     let layer = "kind = \"plains\"\nwavelength_m = 50\ngain = 0.5\namplitude_m = 3\nheight = 2";
-    assert_refused(
-        &with_layer(layer),
-        &["t.toml:9", "`layer[0].height`", "unknown key", "amplitude_m"],
-    );
+    assert_refused(&with_layer(layer), &["t.toml:9", "`layer[0].height`", "unknown key", "amplitude_m"]);
     let sea = format!("{HEAD}[sea]\nlevel_m = 0\nshallow = [0,0,0]\ndeep = [0,0,0]\nsalt = 3\n{PALETTE}");
     assert_refused(&sea, &["t.toml:8", "`sea.salt`"]);
-    assert_refused(
-        &format!("{HEAD}{PALETTE}moss = [1,2,3]\n"),
-        &["t.toml:11", "`palette.moss`", "unknown"],
-    );
+    assert_refused(&format!("{HEAD}{PALETTE}moss = [1,2,3]\n"), &["t.toml:11", "`palette.moss`", "unknown"]);
 }
 
 #[test]
 fn missing_key_is_accepted() {
-    assert_refused(
-        "name = \"T\"\nseed = 1\n",
-        &["`radius_m`", "found nothing", "a number from 1000 to 100000000"],
-    );
+    assert_refused("name = \"T\"\nseed = 1\n", &["`radius_m`", "found nothing", "a number from 1000 to 100000000"]);
     assert_refused(HEAD, &["`palette`", "found nothing", "a table"]);
-    assert_refused(
-        &with_layer("wavelength_m = 3"),
-        &["t.toml:4", "`layer[0].kind`", "found nothing"],
-    );
+    assert_refused(&with_layer("wavelength_m = 3"), &["t.toml:4", "`layer[0].kind`", "found nothing"]);
 }
 
 #[test]
 fn wrong_type_is_accepted() {
     let text = HEAD.replace("10000.0", "\"big\"");
-    assert_refused(
-        &text,
-        &["t.toml:2", "`radius_m`", "string \"big\"", "a number from 1000"],
-    );
-    assert_refused(
-        &HEAD.replace("seed = 1", "seed = 1.5"),
-        &["t.toml:3", "`seed`", "float 1.5", "whole number"],
-    );
-    assert_refused(
-        &HEAD.replace("seed = 1", "seed = -1"),
-        &["t.toml:3", "`seed`", "integer -1"],
-    );
+    assert_refused(&text, &["t.toml:2", "`radius_m`", "string \"big\"", "a number from 1000"]);
+    assert_refused(&HEAD.replace("seed = 1", "seed = 1.5"), &["t.toml:3", "`seed`", "float 1.5", "whole number"]);
+    assert_refused(&HEAD.replace("seed = 1", "seed = -1"), &["t.toml:3", "`seed`", "integer -1"]);
     assert_refused(&HEAD.replace("\"T\"", "7"), &["t.toml:1", "`name`", "integer 7"]);
-    assert_refused(
-        &format!("{HEAD}sea = 3\n{PALETTE}"),
-        &["t.toml:4", "`sea`", "integer 3", "a table"],
-    );
-    assert_refused(
-        &format!("{HEAD}layer = 3\n{PALETTE}"),
-        &["t.toml:4", "`layer`", "array of tables"],
-    );
+    assert_refused(&format!("{HEAD}sea = 3\n{PALETTE}"), &["t.toml:4", "`sea`", "integer 3", "a table"]);
+    assert_refused(&format!("{HEAD}layer = 3\n{PALETTE}"), &["t.toml:4", "`layer`", "array of tables"]);
     let craters = "kind = \"craters\"\nlargest_m = 500\nsmallest_m = 10\nbasins = 1";
-    assert_refused(
-        &with_layer(craters),
-        &["t.toml:8", "`layer[0].basins`", "true or false"],
-    );
+    assert_refused(&with_layer(craters), &["t.toml:8", "`layer[0].basins`", "true or false"]);
 }
 
 #[test]
 fn out_of_range_is_accepted() {
-    assert_refused(
-        &HEAD.replace("10000.0", "5"),
-        &["t.toml:2", "`radius_m`", "integer 5", "from 1000"],
-    );
+    assert_refused(&HEAD.replace("10000.0", "5"), &["t.toml:2", "`radius_m`", "integer 5", "from 1000"]);
     assert_refused(&HEAD.replace("10000.0", "nan"), &["t.toml:2", "`radius_m`", "nan"]);
     let plains = "kind = \"plains\"\nwavelength_m = 50\ngain = 1.5\namplitude_m = 3";
-    assert_refused(
-        &with_layer(plains),
-        &["t.toml:7", "`layer[0].gain`", "float 1.5", "from 0.2 to 0.8"],
-    );
+    assert_refused(&with_layer(plains), &["t.toml:7", "`layer[0].gain`", "float 1.5", "from 0.2 to 0.8"]);
     let craters = "kind = \"craters\"\nlargest_m = 9000\nsmallest_m = 10";
-    assert_refused(
-        &with_layer(craters),
-        &["t.toml:6", "`layer[0].largest_m`", "9000", "to 3500"],
-    );
+    assert_refused(&with_layer(craters), &["t.toml:6", "`layer[0].largest_m`", "9000", "to 3500"]);
     let profile = "kind = \"continents\"\nwavelength_m = 50\ngain = 0.5\nprofile = [[0, 0], [0.1, -5]]";
     assert_refused(&with_layer(profile), &["t.toml:8", "`layer[0].profile`", "rising"]);
     let sea = format!("{HEAD}[sea]\nshallow = [0, 0]\ndeep = [0,0,0]\n{PALETTE}");
     assert_refused(&sea, &["t.toml:5", "`sea.shallow`", "3 values"]);
-    assert_refused(
-        &format!("{HEAD}{PALETTE}").replace("[0, 1]", "[1, 0]"),
-        &["`palette.mare_m`", "first below"],
-    );
-    assert_refused(
-        &with_layer("kind = \"lava\""),
-        &["t.toml:5", "`layer[0].kind`", "\"lava\"", "plains"],
-    );
+    assert_refused(&format!("{HEAD}{PALETTE}").replace("[0, 1]", "[1, 0]"), &["`palette.mare_m`", "first below"]);
+    assert_refused(&with_layer("kind = \"lava\""), &["t.toml:5", "`layer[0].kind`", "\"lava\"", "plains"]);
 }
 
 #[test]
@@ -164,10 +116,7 @@ fn missing_heightmap_is_not_named() {
     let layer = with_layer("kind = \"heightmap\"\nfile = \"gone.png\"\nrange_m = [0, 100]");
     assert_refused(&layer, &["t.toml:6", "`layer[0].file`", "gone.png", "readable file"]);
     let bytes = vec![1, 2];
-    let other = vec![Asset {
-        name: "other.png".into(),
-        bytes,
-    }];
+    let other = vec![Asset { name: "other.png".into(), bytes }];
     let message = Recipe::from_parts(&layer, "t.toml", other).unwrap_err().to_string();
     assert!(message.contains("gone.png") && message.contains("assets"), "{message}");
 }

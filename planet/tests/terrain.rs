@@ -47,10 +47,7 @@ fn slices_change_the_bits() {
         let whole = heights(&terrain, &directions);
         for length in [1, 3, 64, 127, 128, 129, 500] {
             let cut: Vec<f64> = directions.chunks(length).flat_map(|d| heights(&terrain, d)).collect();
-            assert!(
-                whole.iter().zip(&cut).all(|(a, b)| a.to_bits() == b.to_bits()),
-                "{name}, slices of {length}"
-            );
+            assert!(whole.iter().zip(&cut).all(|(a, b)| a.to_bits() == b.to_bits()), "{name}, slices of {length}");
         }
         for (d, h) in directions.iter().zip(&whole) {
             assert_eq!(terrain.height(*d).to_bits(), h.to_bits(), "{name} at {d}");
@@ -63,18 +60,11 @@ fn close_points_share_craters_wrongly() {
     // Neighbours share crater sites; single points do not: rows of 128 at several spacings must agree with points.
     for name in ["luna", "tiny"] {
         let (recipe, terrain) = (recipe(name), terrain(name));
-        for (place, spacing) in spread(12)
-            .into_iter()
-            .flat_map(|d| [0.3, 4.0, 70.0, 900.0].map(|s| (d, s)))
-        {
+        for (place, spacing) in spread(12).into_iter().flat_map(|d| [0.3, 4.0, 70.0, 900.0].map(|s| (d, s))) {
             let along = place.any_orthonormal_vector() * (spacing / recipe.radius);
             let row: Vec<DVec3> = (0..128).map(|i| (place + along * f64::from(i)).normalize()).collect();
             for (d, h) in row.iter().zip(heights(&terrain, &row)) {
-                assert_eq!(
-                    terrain.height(*d).to_bits(),
-                    h.to_bits(),
-                    "{name}, {spacing} m apart, at {d}"
-                );
+                assert_eq!(terrain.height(*d).to_bits(), h.to_bits(), "{name}, {spacing} m apart, at {d}");
             }
         }
     }
@@ -84,18 +74,11 @@ fn close_points_share_craters_wrongly() {
 fn albedo_depends_on_the_slice() {
     for name in SHIPPED {
         let (terrain, directions) = (terrain(name), spread(300));
-        let ground = |&direction: &DVec3| GroundPoint {
-            direction,
-            height: terrain.height(direction),
-            slope: 0.3,
-        };
+        let ground = |&direction: &DVec3| GroundPoint { direction, height: terrain.height(direction), slope: 0.3 };
         let points: Vec<GroundPoint> = directions.iter().map(ground).collect();
         let (mut whole, mut single) = (vec![[0; 3]; 300], vec![[0; 3]; 300]);
         terrain.albedo(&points, &mut whole);
-        points
-            .chunks(7)
-            .zip(single.chunks_mut(7))
-            .for_each(|(p, a)| terrain.albedo(p, a));
+        points.chunks(7).zip(single.chunks_mut(7)).for_each(|(p, a)| terrain.albedo(p, a));
         assert_eq!(whole, single, "{name}");
         assert!(whole.iter().any(|a| *a != whole[0]), "{name} has one colour");
     }
@@ -123,10 +106,7 @@ fn heights_leave_their_range() {
         let terrain = terrain(name);
         let (low, high) = terrain.height_range();
         for h in heights(&terrain, &spread(60_000)) {
-            assert!(
-                h.is_finite() && (low..=high).contains(&h),
-                "{name}: {h} outside {low} to {high}"
-            );
+            assert!(h.is_finite() && (low..=high).contains(&h), "{name}: {h} outside {low} to {high}");
         }
     }
 }
@@ -142,10 +122,7 @@ fn axes_and_poles_are_not_finite() {
         }
     }
     for name in SHIPPED {
-        assert!(
-            heights(&terrain(name), &directions).iter().all(|h| h.is_finite()),
-            "{name}"
-        );
+        assert!(heights(&terrain(name), &directions).iter().all(|h| h.is_finite()), "{name}");
     }
 }
 
@@ -175,10 +152,7 @@ fn a_metre_makes_no_difference() {
             let ahead = terrain.height((d + step).normalize());
             rough += usize::from((ahead + back - 2.0 * terrain.height(d)).abs() > 1e-3);
         }
-        assert!(
-            rough > 150,
-            "{name}: only {rough} of 200 places have relief at one metre"
-        );
+        assert!(rough > 150, "{name}: only {rough} of 200 places have relief at one metre");
     }
 }
 
@@ -215,10 +189,8 @@ fn image(width: u32, height: u32, colour: png::ColorType, depth: png::BitDepth, 
 }
 
 fn grey16(width: u32, height: u32, pixel: impl Fn(u32, u32) -> u16) -> Vec<u8> {
-    let data: Vec<u8> = (0..height)
-        .flat_map(|y| (0..width).map(move |x| (x, y)))
-        .flat_map(|(x, y)| pixel(x, y).to_be_bytes())
-        .collect();
+    let data: Vec<u8> =
+        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).flat_map(|(x, y)| pixel(x, y).to_be_bytes()).collect();
     image(width, height, png::ColorType::Grayscale, png::BitDepth::Sixteen, &data)
 }
 
@@ -228,15 +200,7 @@ fn mapped(bytes: Vec<u8>, placement: &str) -> Result<Terrain, String> {
          range_m = [-100, 900]\n{placement}\n[palette]\nkind = \"airless\"\nhighland = [1, 2, 3]\nmare = [1, 2, 3]\n\
          ray = [1, 2, 3]\nmare_m = [0, 1]\npatch_m = 500\n"
     );
-    let recipe = Recipe::from_parts(
-        &text,
-        "t.toml",
-        vec![Asset {
-            name: "m.png".into(),
-            bytes,
-        }],
-    )
-    .map_err(|e| e.to_string())?;
+    let recipe = Recipe::from_parts(&text, "t.toml", vec![Asset { name: "m.png".into(), bytes }]).map_err(|e| e.to_string())?;
     Terrain::new(&recipe).map_err(|e| e.to_string())
 }
 
@@ -246,19 +210,11 @@ fn wrong_image_is_accepted() {
     let grey = ColorType::Grayscale;
     let cases = [
         (image(4, 2, grey, BitDepth::Eight, &[0; 8]), "8 bits", "16 bits"),
-        (
-            image(4, 2, ColorType::Rgb, BitDepth::Sixteen, &[0; 48]),
-            "Rgb",
-            "greyscale",
-        ),
+        (image(4, 2, ColorType::Rgb, BitDepth::Sixteen, &[0; 48]), "Rgb", "greyscale"),
         (grey16(4, 4, |_, _| 0), "4 x 4", "twice as wide"),
         (grey16(2, 1, |_, _| 0), "2 x 1", "2 to 32768"),
         (b"not a png at all".to_vec(), "ignature", "undamaged PNG"),
-        (
-            grey16(64, 32, |x, y| (x * y) as u16)[..90].to_vec(),
-            "found",
-            "undamaged PNG",
-        ),
+        (grey16(64, 32, |x, y| (x * y) as u16)[..90].to_vec(), "found", "undamaged PNG"),
     ];
     for (bytes, found, expected) in cases {
         let message = mapped(bytes, "").err().expect("this image should be refused");
@@ -294,14 +250,9 @@ fn local_map_is_misplaced() {
     let level = mapped(bytes.clone(), place).unwrap();
     assert!((at(&level, 1000.0, 0.0) - 900.0).abs() < 1e-6 && (at(&level, -1000.0, 0.0) + 100.0).abs() < 1e-6);
     assert_eq!(at(&level, 2100.0, 0.0), 0.0, "beyond the edge the ground is as before");
-    assert!(
-        (at(&level, 1800.0, 0.0) - 450.0).abs() < 1.0,
-        "half-way through the blend"
-    );
+    assert!((at(&level, 1800.0, 0.0) - 450.0).abs() < 1.0, "half-way through the blend");
     assert_eq!(level.height(-centre), 0.0, "the far side is untouched");
     // Turned by 90 degrees the image's right edge points south.
     let turned_map = mapped(bytes, &format!("{place}heading_deg = 90.0\n")).unwrap();
-    assert!(
-        (at(&turned_map, 0.0, -1000.0) - 900.0).abs() < 1e-6 && (at(&turned_map, 0.0, 1000.0) + 100.0).abs() < 1e-6
-    );
+    assert!((at(&turned_map, 0.0, -1000.0) - 900.0).abs() < 1e-6 && (at(&turned_map, 0.0, 1000.0) + 100.0).abs() < 1e-6);
 }

@@ -50,7 +50,13 @@ impl FrameBuffers {
             awake: storage(context, "awake", 4096)?,
             resolved: storage(context, "resolved", 4096)?,
             indices: indices(context, 1024)?,
-            state: Buffer::new(context, "emit state", bytes_of::<EmitState>(), Usage::STORAGE_BUFFER | Usage::INDIRECT_BUFFER, Memory::Device)?,
+            state: Buffer::new(
+                context,
+                "emit state",
+                bytes_of::<EmitState>(),
+                Usage::STORAGE_BUFFER | Usage::INDIRECT_BUFFER,
+                Memory::Device,
+            )?,
         })
     }
 
@@ -126,7 +132,14 @@ impl Inputs {
         })
     }
 
-    fn write(&mut self, context: &Arc<Context>, tables: &FrameTables, view: &FrameView, shading: &Shading, capacity: u32) -> Result<()> {
+    fn write(
+        &mut self,
+        context: &Arc<Context>,
+        tables: &FrameTables,
+        view: &FrameView,
+        shading: &Shading,
+        capacity: u32,
+    ) -> Result<()> {
         let upload = |name: &str, bytes: u64| Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER, Memory::Upload);
         self.view.write(0, &[*view])?;
         self.shading.write(0, &[*shading])?;

@@ -38,7 +38,13 @@ impl Draw {
     }
 
     /// Records the stage: fills `targets.ground` and `targets.depth`.
-    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, textures: &TexturePool, targets: &Targets) -> Result<()> {
+    pub(super) fn record(
+        &self,
+        commands: &mut Commands,
+        buffers: &FrameBuffers,
+        textures: &TexturePool,
+        targets: &Targets,
+    ) -> Result<()> {
         commands.begin_rendering(
             &[ColorTarget { view: targets.ground.view(), clear: Some([0.0; 4]) }],
             Some(DepthTarget { view: targets.depth.view(), clear: Some(0.0) }),

@@ -20,7 +20,13 @@ impl Tonemap {
     }
 
     /// Records the stage: reads `targets.scene`, fills `picture`.
-    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, picture: &ImageView) -> Result<()> {
+    pub(super) fn record(
+        &self,
+        commands: &mut Commands,
+        buffers: &FrameBuffers,
+        targets: &Targets,
+        picture: &ImageView,
+    ) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: picture, clear: Some([0.0; 4]) }], None)?;
         commands.bind(
             &self.pipeline,

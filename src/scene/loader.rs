@@ -51,7 +51,8 @@ impl Loader {
         let (sender, arrivals) = channel();
         let mut workers = Vec::new();
         for _ in 0..WORKERS {
-            let worker = Worker { file: PlanetFile::open(path)?, lattice, textures, shared: shared.clone(), sender: sender.clone() };
+            let worker =
+                Worker { file: PlanetFile::open(path)?, lattice, textures, shared: shared.clone(), sender: sender.clone() };
             workers.push(std::thread::spawn(move || worker.run()));
         }
         Ok(Loader { shared, arrivals, workers })
@@ -148,7 +149,8 @@ impl Worker {
 
     fn load(&self, id: PatchId) -> Result<Loaded, StoreError> {
         let patch = LoadedPatch::new(self.file.mesh(id)?, &self.lattice);
-        let texture = if self.textures { Some(TextureMips::new(&self.file.texture(id)?, self.file.header().cells)) } else { None };
+        let texture =
+            if self.textures { Some(TextureMips::new(&self.file.texture(id)?, self.file.header().cells)) } else { None };
         Ok(Loaded { patch, texture })
     }
 }

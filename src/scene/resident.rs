@@ -39,7 +39,14 @@ impl ResidentPatch {
         let buffer = Buffer::new(context, &format!("patch {}", patch.mesh.id), bytes, Usage::STORAGE_BUFFER, Memory::Device)?;
         upload.buffer(&buffer, 0, &patch.vertices)?;
         upload.buffer(&buffer, start, &triangles)?;
-        Ok(ResidentPatch { bounds: patch.mesh.bounds, layer, last_used: frame, reach: patch.reach.clone(), buffer, triangles: start })
+        Ok(ResidentPatch {
+            bounds: patch.mesh.bounds,
+            layer,
+            last_used: frame,
+            reach: patch.reach.clone(),
+            buffer,
+            triangles: start,
+        })
     }
 
     /// See [`Reach::level_for`].

@@ -26,8 +26,12 @@ impl TexturePool {
         let side = texture_side(cells);
         let array = |name, format| {
             let usage = vk::ImageUsageFlags::SAMPLED;
-            let description =
-                ImageDescription { layers, array: true, mips: MIP_LEVELS, ..ImageDescription::new(name, (side, side), format, usage) };
+            let description = ImageDescription {
+                layers,
+                array: true,
+                mips: MIP_LEVELS,
+                ..ImageDescription::new(name, (side, side), format, usage)
+            };
             Image::new(context, &description)
         };
         let (slopes, albedo) = (array("slopes", SLOPE_FORMAT)?, array("albedo", ALBEDO_FORMAT)?);
@@ -117,7 +121,11 @@ impl LinearLevel {
 
 fn decode_srgb(code: u8) -> f32 {
     let x = f32::from(code) / 255.0;
-    if x <= 0.04045 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
+    if x <= 0.04045 {
+        x / 12.92
+    } else {
+        ((x + 0.055) / 1.055).powf(2.4)
+    }
 }
 
 fn encode_srgb(x: f32) -> u8 {

@@ -34,13 +34,7 @@ impl Buffer {
     ///
     /// # Errors
     /// Out of memory, a size of zero.
-    pub fn new(
-        context: &Arc<Context>,
-        name: &str,
-        bytes: u64,
-        usage: Usage,
-        memory: Memory,
-    ) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, name: &str, bytes: u64, usage: Usage, memory: Memory) -> Result<Self> {
         if bytes == 0 {
             return Err(access(name, "a buffer cannot have 0 bytes".to_owned()));
         }
@@ -54,15 +48,8 @@ impl Buffer {
         let handle = unsafe { device.create_buffer(&info, None) }.map_err(api("vkCreateBuffer"))?;
         context.set_name(handle, name);
         // From here on dropping `raw` cleans up.
-        let mut raw = RawBuffer {
-            context: context.clone(),
-            name: name.to_owned(),
-            handle,
-            bytes,
-            usage,
-            address: 0,
-            allocation: None,
-        };
+        let mut raw =
+            RawBuffer { context: context.clone(), name: name.to_owned(), handle, bytes, usage, address: 0, allocation: None };
         raw.bind(memory)?;
         Ok(Self { raw: Arc::new(raw) })
     }
@@ -71,12 +58,7 @@ impl Buffer {
     ///
     /// # Errors
     /// As [`Buffer::new`].
-    pub fn from_slice<T: NoUninit>(
-        context: &Arc<Context>,
-        name: &str,
-        usage: Usage,
-        data: &[T],
-    ) -> Result<Self> {
+    pub fn from_slice<T: NoUninit>(context: &Arc<Context>, name: &str, usage: Usage, data: &[T]) -> Result<Self> {
         let bytes = size_of_val(data) as u64;
         let mut buffer = Self::new(context, name, bytes, usage, Memory::Upload)?;
         buffer.write(0, data)?;
@@ -134,9 +116,7 @@ impl RawBuffer {
         let requirements = unsafe { device.get_buffer_memory_requirements(self.handle) };
         let allocation = memory::allocate(&self.context, &self.name, requirements, memory, true)?;
         // SAFETY: the allocation fits the requirements and belongs to this buffer alone.
-        let bound = unsafe {
-            device.bind_buffer_memory(self.handle, allocation.memory(), allocation.offset())
-        };
+        let bound = unsafe { device.bind_buffer_memory(self.handle, allocation.memory(), allocation.offset()) };
         self.allocation = Some(allocation);
         bound.map_err(api("vkBindBufferMemory"))?;
         if self.usage.contains(Usage::SHADER_DEVICE_ADDRESS) {
@@ -151,13 +131,7 @@ impl RawBuffer {
     pub(crate) fn check_range(&self, offset: u64, bytes: u64) -> Result<()> {
         match offset.checked_add(bytes) {
             Some(end) if end <= self.bytes => Ok(()),
-            _ => Err(access(
-                &self.name,
-                format!(
-                    "{bytes} bytes from {offset} do not fit a buffer of {}",
-                    self.bytes
-                ),
-            )),
+            _ => Err(access(&self.name, format!("{bytes} bytes from {offset} do not fit a buffer of {}", self.bytes))),
         }
     }
 
@@ -165,10 +139,7 @@ impl RawBuffer {
         self.check_range(offset, bytes)?;
         let start = self.allocation.as_ref().and_then(Allocation::mapped_ptr);
         let Some(start) = start else {
-            return Err(access(
-                &self.name,
-                "the host cannot see device memory".to_owned(),
-            ));
+            return Err(access(&self.name, "the host cannot see device memory".to_owned()));
         };
         // SAFETY: the allocation has at least `self.bytes` bytes, and the range was checked against them.
         Ok(unsafe { start.as_ptr().cast::<u8>().add(offset as usize) })
@@ -186,8 +157,5 @@ impl Drop for RawBuffer {
 }
 
 fn access(what: &str, problem: String) -> VulkanError {
-    VulkanError::Access {
-        what: what.to_owned(),
-        problem,
-    }
+    VulkanError::Access { what: what.to_owned(), problem }
 }

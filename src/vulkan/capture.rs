@@ -29,18 +29,10 @@ pub struct Captured {
 ///
 /// # Errors
 /// A layer or level that does not exist, a format of unknown size, undefined contents, or device loss.
-pub fn capture(
-    context: &Arc<Context>,
-    image: &Image,
-    (layer, mip): (u32, u32),
-    access: Access,
-) -> Result<Captured> {
+pub fn capture(context: &Arc<Context>, image: &Image, (layer, mip): (u32, u32), access: Access) -> Result<Captured> {
     if access == Access::Undefined {
         let problem = "its contents are undefined".to_owned();
-        return Err(VulkanError::Access {
-            what: image.name().to_owned(),
-            problem,
-        });
+        return Err(VulkanError::Access { what: image.name().to_owned(), problem });
     }
     let bytes = layer_bytes(image, mip)?;
     let view = image.layer_view(layer, mip)?;
@@ -53,12 +45,7 @@ pub fn capture(
     })?;
     let (width, height) = image.mip_size(mip);
     let bytes = target.read(0, bytes as usize)?;
-    Ok(Captured {
-        width,
-        height,
-        format: image.format(),
-        bytes,
-    })
+    Ok(Captured { width, height, format: image.format(), bytes })
 }
 
 impl Captured {
@@ -68,30 +55,18 @@ impl Captured {
     /// A format without a conversion.
     pub fn to_f32(&self) -> Result<Vec<f32>> {
         let words = || self.bytes.chunks_exact(4).map(|b| [b[0], b[1], b[2], b[3]]);
-        let halves = || {
-            self.bytes
-                .chunks_exact(2)
-                .map(|b| u16::from_le_bytes([b[0], b[1]]))
-        };
+        let halves = || self.bytes.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]]));
         match self.format {
-            vk::Format::R8_UNORM
-            | vk::Format::R8G8_UNORM
-            | vk::Format::R8G8B8A8_UNORM
-            | vk::Format::B8G8R8A8_UNORM => Ok(self
-                .bytes
-                .iter()
-                .map(|byte| f32::from(*byte) / 255.0)
-                .collect()),
-            vk::Format::R16_SFLOAT
-            | vk::Format::R16G16_SFLOAT
-            | vk::Format::R16G16B16A16_SFLOAT => Ok(halves().map(half_to_f32).collect()),
-            vk::Format::D32_SFLOAT
-            | vk::Format::R32_SFLOAT
-            | vk::Format::R32G32_SFLOAT
-            | vk::Format::R32G32B32A32_SFLOAT => Ok(words().map(f32::from_le_bytes).collect()),
-            vk::Format::R32_UINT | vk::Format::R32G32_UINT => Ok(words()
-                .map(|word| u32::from_le_bytes(word) as f32)
-                .collect()),
+            vk::Format::R8_UNORM | vk::Format::R8G8_UNORM | vk::Format::R8G8B8A8_UNORM | vk::Format::B8G8R8A8_UNORM => {
+                Ok(self.bytes.iter().map(|byte| f32::from(*byte) / 255.0).collect())
+            }
+            vk::Format::R16_SFLOAT | vk::Format::R16G16_SFLOAT | vk::Format::R16G16B16A16_SFLOAT => {
+                Ok(halves().map(half_to_f32).collect())
+            }
+            vk::Format::D32_SFLOAT | vk::Format::R32_SFLOAT | vk::Format::R32G32_SFLOAT | vk::Format::R32G32B32A32_SFLOAT => {
+                Ok(words().map(f32::from_le_bytes).collect())
+            }
+            vk::Format::R32_UINT | vk::Format::R32G32_UINT => Ok(words().map(|word| u32::from_le_bytes(word) as f32).collect()),
             format => Err(unknown("capture", format)),
         }
     }
@@ -138,19 +113,13 @@ fn texel_bytes(format: vk::Format) -> Option<u64> {
 
 fn unknown(what: &str, format: vk::Format) -> VulkanError {
     let problem = format!("format {format:?} is not supported here");
-    VulkanError::Access {
-        what: what.to_owned(),
-        problem,
-    }
+    VulkanError::Access { what: what.to_owned(), problem }
 }
 
 /// IEEE 754 half precision, exactly.
 fn half_to_f32(half: u16) -> f32 {
     let sign = if half & 0x8000 == 0 { 1.0 } else { -1.0 };
-    let (exponent, fraction) = (
-        i32::from(half >> 10 & 0x1f),
-        f32::from(half & 0x3ff) / 1024.0,
-    );
+    let (exponent, fraction) = (i32::from(half >> 10 & 0x1f), f32::from(half & 0x3ff) / 1024.0);
     sign * match exponent {
         0 => fraction * 2f32.powi(-14),
         31 if fraction == 0.0 => f32::INFINITY,
@@ -165,12 +134,7 @@ mod tests {
 
     #[test]
     fn halves_convert_exactly() {
-        let cases = [
-            (0x3c00, 1.0),
-            (0xc000, -2.0),
-            (0x0001, 2f32.powi(-24)),
-            (0x7bff, 65504.0),
-        ];
+        let cases = [(0x3c00, 1.0), (0xc000, -2.0), (0x0001, 2f32.powi(-24)), (0x7bff, 65504.0)];
         for (half, value) in cases {
             assert_eq!(half_to_f32(half), value, "{half:#x}");
         }

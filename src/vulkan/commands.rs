@@ -75,11 +75,7 @@ impl Commands {
     ///
     /// # Errors
     /// Those of `record`, and of [`wait`](Self::wait).
-    pub fn once(
-        context: &Arc<Context>,
-        name: &str,
-        record: impl FnOnce(&mut Self) -> Result<()>,
-    ) -> Result<Timestamps> {
+    pub fn once(context: &Arc<Context>, name: &str, record: impl FnOnce(&mut Self) -> Result<()>) -> Result<Timestamps> {
         let mut commands = Self::new(context, name)?;
         commands.begin()?;
         record(&mut commands)?;
@@ -97,16 +93,11 @@ impl Commands {
         }
         self.forget();
         let device = self.context.device();
-        let info = vk::CommandBufferBeginInfo::default()
-            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let info = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the pool's only buffer is not in use: it was waited for.
         unsafe {
-            device
-                .reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty())
-                .map_err(api("vkResetCommandPool"))?;
-            device
-                .begin_command_buffer(self.handle, &info)
-                .map_err(api("vkBeginCommandBuffer"))?;
+            device.reset_command_pool(self.pool, vk::CommandPoolResetFlags::empty()).map_err(api("vkResetCommandPool"))?;
+            device.begin_command_buffer(self.handle, &info).map_err(api("vkBeginCommandBuffer"))?;
         }
         self.state = State::Recording;
         self.queries.reset(self.handle);
@@ -142,21 +133,9 @@ impl Commands {
         self.state = State::Idle;
         let device = self.context.device();
         let all = vk::PipelineStageFlags2::ALL_COMMANDS;
-        let semaphore = |semaphore, stages| {
-            vk::SemaphoreSubmitInfo::default()
-                .semaphore(semaphore)
-                .stage_mask(stages)
-        };
-        let waits: Vec<_> = submission
-            .wait
-            .iter()
-            .map(|(s, stages)| semaphore(*s, *stages))
-            .collect();
-        let signals: Vec<_> = submission
-            .signal
-            .iter()
-            .map(|s| semaphore(*s, all))
-            .collect();
+        let semaphore = |semaphore, stages| vk::SemaphoreSubmitInfo::default().semaphore(semaphore).stage_mask(stages);
+        let waits: Vec<_> = submission.wait.iter().map(|(s, stages)| semaphore(*s, *stages)).collect();
+        let signals: Vec<_> = submission.signal.iter().map(|s| semaphore(*s, all)).collect();
         let buffers = [vk::CommandBufferSubmitInfo::default().command_buffer(self.handle)];
         let info = vk::SubmitInfo2::default()
             .wait_semaphore_infos(&waits)
@@ -166,12 +145,8 @@ impl Commands {
         self.submitted_at = Instant::now();
         // SAFETY: the buffer is recording and its resources are kept; fence and queue are not in use elsewhere.
         let submitted = unsafe {
-            device
-                .end_command_buffer(self.handle)
-                .map_err(api("vkEndCommandBuffer"))?;
-            device
-                .reset_fences(&[self.fence])
-                .map_err(api("vkResetFences"))?;
+            device.end_command_buffer(self.handle).map_err(api("vkEndCommandBuffer"))?;
+            device.reset_fences(&[self.fence]).map_err(api("vkResetFences"))?;
             let queue = self.context.queue();
             device.queue_submit2(*queue, &[info], self.fence)
         };
@@ -190,12 +165,8 @@ impl Commands {
         }
         let nanoseconds = WAIT_LIMIT.as_nanos() as u64;
         // SAFETY: the fence belongs to the submission.
-        unsafe {
-            self.context
-                .device()
-                .wait_for_fences(&[self.fence], true, nanoseconds)
-        }
-        .map_err(|result| self.failed("vkWaitForFences", result))?;
+        unsafe { self.context.device().wait_for_fences(&[self.fence], true, nanoseconds) }
+            .map_err(|result| self.failed("vkWaitForFences", result))?;
         self.state = State::Idle;
         let wall = self.submitted_at.elapsed();
         let timestamps = self.queries.resolve(wall)?;
@@ -222,21 +193,14 @@ impl Commands {
     }
 
     pub(crate) fn misuse(&self, problem: &str) -> VulkanError {
-        VulkanError::Commands {
-            commands: self.name.clone(),
-            problem: problem.to_owned(),
-        }
+        VulkanError::Commands { commands: self.name.clone(), problem: problem.to_owned() }
     }
 
     fn failed(&self, call: &'static str, result: vk::Result) -> VulkanError {
         let zone = self.queries.last_begun();
         match result {
             vk::Result::ERROR_DEVICE_LOST => VulkanError::DeviceLost { zone },
-            vk::Result::TIMEOUT => VulkanError::Timeout {
-                what: self.name.clone(),
-                seconds: WAIT_LIMIT.as_secs(),
-                zone,
-            },
+            vk::Result::TIMEOUT => VulkanError::Timeout { what: self.name.clone(), seconds: WAIT_LIMIT.as_secs(), zone },
             result => api(call)(result),
         }
     }
@@ -253,18 +217,13 @@ impl Commands {
             .queue_family_index(self.context.gpu().queue_family)
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
         // SAFETY: the device is alive.
-        self.pool = unsafe { device.create_command_pool(&info, None) }
-            .map_err(api("vkCreateCommandPool"))?;
-        let info = vk::CommandBufferAllocateInfo::default()
-            .command_pool(self.pool)
-            .command_buffer_count(1);
+        self.pool = unsafe { device.create_command_pool(&info, None) }.map_err(api("vkCreateCommandPool"))?;
+        let info = vk::CommandBufferAllocateInfo::default().command_pool(self.pool).command_buffer_count(1);
         // SAFETY: the pool is alive.
-        let buffers = unsafe { device.allocate_command_buffers(&info) }
-            .map_err(api("vkAllocateCommandBuffers"))?;
+        let buffers = unsafe { device.allocate_command_buffers(&info) }.map_err(api("vkAllocateCommandBuffers"))?;
         self.handle = buffers[0];
         // SAFETY: the device is alive.
-        self.fence = unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }
-            .map_err(api("vkCreateFence"))?;
+        self.fence = unsafe { device.create_fence(&vk::FenceCreateInfo::default(), None) }.map_err(api("vkCreateFence"))?;
         self.context.set_name(self.handle, &self.name);
         Ok(())
     }

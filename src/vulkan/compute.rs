@@ -21,18 +21,11 @@ impl ComputePipeline {
     ///
     /// # Errors
     /// A shader that is not a compute shader, or that the device cannot run.
-    pub fn new(
-        context: &Arc<Context>,
-        shader: &Shader<'_>,
-        specialization: &[(u32, u32)],
-    ) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, shader: &Shader<'_>, specialization: &[(u32, u32)]) -> Result<Self> {
         let reflection = Reflection::new(shader, specialization)?;
         if reflection.stage != vk::ShaderStageFlags::COMPUTE {
             let problem = format!("it is for {:?}, not COMPUTE", reflection.stage);
-            return Err(VulkanError::Shader {
-                shader: shader.name.to_owned(),
-                problem,
-            });
+            return Err(VulkanError::Shader { shader: shader.name.to_owned(), problem });
         }
         let workgroup_size = reflection.workgroup_size;
         check_workgroup(context, shader, workgroup_size)?;
@@ -46,23 +39,14 @@ impl ComputePipeline {
             .module(module.handle)
             .name(c"main")
             .specialization_info(&specialization);
-        let info = vk::ComputePipelineCreateInfo::default()
-            .stage(stage)
-            .layout(raw.layout);
+        let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(raw.layout);
         let cache = vk::PipelineCache::null();
         // SAFETY: module, layout and specialization outlive the call.
-        let created = unsafe {
-            context
-                .device()
-                .create_compute_pipelines(cache, &[info], None)
-        };
+        let created = unsafe { context.device().create_compute_pipelines(cache, &[info], None) };
         let created = created.map_err(|(_, result)| api("vkCreateComputePipelines")(result))?;
         raw.handle = created[0];
         context.set_name(raw.handle, shader.name);
-        Ok(Self {
-            raw: Arc::new(raw),
-            workgroup_size,
-        })
+        Ok(Self { raw: Arc::new(raw), workgroup_size })
     }
 
     /// Invocations of a workgroup in x, y and z, after specialization.
@@ -85,16 +69,10 @@ impl Bindable for ComputePipeline {
 fn check_workgroup(context: &Context, shader: &Shader<'_>, size: [u32; 3]) -> Result<()> {
     let most = context.limits().max_compute_work_group_size;
     let total = context.limits().max_compute_work_group_invocations;
-    let fits = size
-        .iter()
-        .zip(most)
-        .all(|(side, most)| (1..=most).contains(side));
+    let fits = size.iter().zip(most).all(|(side, most)| (1..=most).contains(side));
     if fits && size.iter().product::<u32>() <= total {
         return Ok(());
     }
     let problem = format!("a workgroup of {size:?}; the limits are {most:?} and {total} in all");
-    Err(VulkanError::Shader {
-        shader: shader.name.to_owned(),
-        problem,
-    })
+    Err(VulkanError::Shader { shader: shader.name.to_owned(), problem })
 }

@@ -49,10 +49,7 @@ impl Context {
     ///
     /// # Errors
     /// As [`Context::new`], and where the driver cannot draw to this kind of window.
-    pub fn with_window<W: Window>(
-        options: &ContextOptions,
-        window: Arc<W>,
-    ) -> Result<(Arc<Self>, Surface)> {
+    pub fn with_window<W: Window>(options: &ContextOptions, window: Arc<W>) -> Result<(Arc<Self>, Surface)> {
         let extensions = Surface::extensions(&*window)?;
         let instance = Arc::new(Instance::new(options.validation, extensions)?);
         let surface = Surface::new(instance.clone(), window)?;
@@ -63,21 +60,14 @@ impl Context {
     /// Creates a context with a surface that shows nothing, for tests of the swapchain.
     #[cfg(test)]
     pub(crate) fn with_headless_surface(options: &ContextOptions) -> Result<(Arc<Self>, Surface)> {
-        let extensions = [
-            khr::surface::NAME.as_ptr(),
-            ext::headless_surface::NAME.as_ptr(),
-        ];
+        let extensions = [khr::surface::NAME.as_ptr(), ext::headless_surface::NAME.as_ptr()];
         let instance = Arc::new(Instance::new(options.validation, &extensions)?);
         let surface = Surface::headless(instance.clone())?;
         let context = Self::on_instance(instance, Some(surface.handle), options)?;
         Ok((context, surface))
     }
 
-    fn on_instance(
-        instance: Arc<Instance>,
-        surface: Option<vk::SurfaceKHR>,
-        options: &ContextOptions,
-    ) -> Result<Arc<Self>> {
+    fn on_instance(instance: Arc<Instance>, surface: Option<vk::SurfaceKHR>, options: &ContextOptions) -> Result<Arc<Self>> {
         let gpu = choose(&instance, surface, &options.gpu)?;
         let device = create_device(&instance, &gpu, surface.is_some())?;
         let allocator = match create_allocator(&instance, &gpu, &device) {
@@ -90,9 +80,7 @@ impl Context {
         };
         // SAFETY: the family was enabled with one queue.
         let queue = unsafe { device.get_device_queue(gpu.queue_family, 0) };
-        let debug = instance
-            .debug_utils
-            .then(|| ext::debug_utils::Device::new(&instance.handle, &device));
+        let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.handle, &device));
         tracing::info!(gpu = %gpu.info.name, driver = %gpu.info.driver_info, "Vulkan device");
         Ok(Arc::new(Self {
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
@@ -166,9 +154,7 @@ impl Context {
     }
 
     pub(crate) fn allocator(&self) -> MutexGuard<'_, Allocator> {
-        self.allocator
-            .lock()
-            .unwrap_or_else(PoisonError::into_inner)
+        self.allocator.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
     /// Names an object for validation messages and debuggers.
@@ -176,9 +162,7 @@ impl Context {
         let (Some(debug), Ok(name)) = (&self.debug, std::ffi::CString::new(name)) else {
             return;
         };
-        let info = vk::DebugUtilsObjectNameInfoEXT::default()
-            .object_handle(handle)
-            .object_name(&name);
+        let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
         // SAFETY: the object is alive and belongs to this device. A failure costs a name only.
         let _ = unsafe { debug.set_debug_utils_object_name(&info) };
     }
@@ -197,28 +181,16 @@ impl Drop for Context {
 
 fn create_device(instance: &Instance, gpu: &Gpu, window: bool) -> Result<ash::Device> {
     let priorities = [1.0];
-    let queues = [vk::DeviceQueueCreateInfo::default()
-        .queue_family_index(gpu.queue_family)
-        .queue_priorities(&priorities)];
+    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(gpu.queue_family).queue_priorities(&priorities)];
     let mut extensions = vec![khr::push_descriptor::NAME.as_ptr()];
     if window {
         extensions.push(khr::swapchain::NAME.as_ptr());
     }
-    let Features {
-        v10,
-        mut v11,
-        mut v12,
-        mut v13,
-    } = Features::enabled(&gpu.extras);
-    let mut features = vk::PhysicalDeviceFeatures2::default()
-        .features(v10)
-        .push_next(&mut v11)
-        .push_next(&mut v12)
-        .push_next(&mut v13);
-    let info = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .enabled_extension_names(&extensions)
-        .push_next(&mut features);
+    let Features { v10, mut v11, mut v12, mut v13 } = Features::enabled(&gpu.extras);
+    let mut features =
+        vk::PhysicalDeviceFeatures2::default().features(v10).push_next(&mut v11).push_next(&mut v12).push_next(&mut v13);
+    let info =
+        vk::DeviceCreateInfo::default().queue_create_infos(&queues).enabled_extension_names(&extensions).push_next(&mut features);
     // SAFETY: the GPU was checked to have these extensions and features.
     unsafe { instance.handle.create_device(gpu.handle, &info, None) }.map_err(api("vkCreateDevice"))
 }

@@ -13,13 +13,7 @@ impl Commands {
     ///
     /// # Errors
     /// A range past the end, empty or not of whole words.
-    pub fn fill_buffer(
-        &mut self,
-        buffer: &Buffer,
-        offset: u64,
-        bytes: u64,
-        word: u32,
-    ) -> Result<()> {
+    pub fn fill_buffer(&mut self, buffer: &Buffer, offset: u64, bytes: u64, word: u32) -> Result<()> {
         let commands = self.outside_rendering()?;
         buffer.raw.check_range(offset, bytes)?;
         if bytes == 0 || !offset.is_multiple_of(4) || !bytes.is_multiple_of(4) {
@@ -38,12 +32,7 @@ impl Commands {
     ///
     /// # Errors
     /// A range past the end, or empty.
-    pub fn copy_buffer(
-        &mut self,
-        from: (&Buffer, u64),
-        to: (&Buffer, u64),
-        bytes: u64,
-    ) -> Result<()> {
+    pub fn copy_buffer(&mut self, from: (&Buffer, u64), to: (&Buffer, u64), bytes: u64) -> Result<()> {
         let commands = self.outside_rendering()?;
         let ((source, source_offset), (target, target_offset)) = (from, to);
         source.raw.check_range(source_offset, bytes)?;
@@ -53,18 +42,10 @@ impl Commands {
         }
         self.keep(source);
         self.keep(target);
-        let region = vk::BufferCopy {
-            src_offset: source_offset,
-            dst_offset: target_offset,
-            size: bytes,
-        };
+        let region = vk::BufferCopy { src_offset: source_offset, dst_offset: target_offset, size: bytes };
         let (source, target) = (source.raw.handle, target.raw.handle);
         // SAFETY: the commands are recording, the ranges are checked.
-        unsafe {
-            self.context
-                .device()
-                .cmd_copy_buffer(commands, source, target, &[region])
-        };
+        unsafe { self.context.device().cmd_copy_buffer(commands, source, target, &[region]) };
         Ok(())
     }
 
@@ -73,13 +54,7 @@ impl Commands {
     ///
     /// # Errors
     /// A layer or level that does not exist, or too small a buffer.
-    pub fn copy_buffer_to_image(
-        &mut self,
-        from: (&Buffer, u64),
-        image: &Image,
-        layer: u32,
-        mip: u32,
-    ) -> Result<()> {
+    pub fn copy_buffer_to_image(&mut self, from: (&Buffer, u64), image: &Image, layer: u32, mip: u32) -> Result<()> {
         let (commands, region) = self.image_copy(from, image, layer, mip)?;
         let (source, target) = (from.0.raw.handle, image.raw().handle);
         let (_, _, layout) = Access::TransferWrite.parts();
@@ -95,13 +70,7 @@ impl Commands {
     ///
     /// # Errors
     /// As [`copy_buffer_to_image`](Self::copy_buffer_to_image).
-    pub fn copy_image_to_buffer(
-        &mut self,
-        image: &Image,
-        layer: u32,
-        mip: u32,
-        to: (&Buffer, u64),
-    ) -> Result<()> {
+    pub fn copy_image_to_buffer(&mut self, image: &Image, layer: u32, mip: u32, to: (&Buffer, u64)) -> Result<()> {
         let (commands, region) = self.image_copy(to, image, layer, mip)?;
         let (source, target) = (image.raw().handle, to.0.raw.handle);
         let (_, _, layout) = Access::TransferRead.parts();
@@ -135,11 +104,7 @@ impl Commands {
                 base_array_layer: layer,
                 layer_count: 1,
             })
-            .image_extent(vk::Extent3D {
-                width,
-                height,
-                depth: 1,
-            });
+            .image_extent(vk::Extent3D { width, height, depth: 1 });
         Ok((commands, region))
     }
 }

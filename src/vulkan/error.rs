@@ -62,9 +62,7 @@ pub enum VulkanError {
         zone: String,
     },
     /// The GPU did not finish in time.
-    #[error(
-        "the GPU did not finish `{what}` within {seconds} s; the last zone begun was `{zone}`"
-    )]
+    #[error("the GPU did not finish `{what}` within {seconds} s; the last zone begun was `{zone}`")]
     Timeout {
         /// Name of the commands.
         what: String,
@@ -121,14 +119,9 @@ pub enum VulkanError {
 pub(crate) fn api(call: &'static str) -> impl FnOnce(vk::Result) -> VulkanError {
     move |result| match result {
         vk::Result::ERROR_INCOMPATIBLE_DRIVER => VulkanError::NoDriver,
-        vk::Result::ERROR_DEVICE_LOST => VulkanError::DeviceLost {
-            zone: format!("none ({call})"),
-        },
+        vk::Result::ERROR_DEVICE_LOST => VulkanError::DeviceLost { zone: format!("none ({call})") },
         vk::Result::ERROR_OUT_OF_HOST_MEMORY | vk::Result::ERROR_OUT_OF_DEVICE_MEMORY => {
-            VulkanError::OutOfMemory {
-                what: call.to_owned(),
-                bytes: 0,
-            }
+            VulkanError::OutOfMemory { what: call.to_owned(), bytes: 0 }
         }
         result => VulkanError::Api { call, result },
     }

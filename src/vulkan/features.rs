@@ -36,22 +36,14 @@ impl Features {
     fn query(instance: &Instance, gpu: vk::PhysicalDevice) -> Self {
         let mut features = Self::default();
         let (mut v11, mut v12, mut v13) = (features.v11, features.v12, features.v13);
-        let mut all = vk::PhysicalDeviceFeatures2::default()
-            .push_next(&mut v11)
-            .push_next(&mut v12)
-            .push_next(&mut v13);
+        let mut all = vk::PhysicalDeviceFeatures2::default().push_next(&mut v11).push_next(&mut v12).push_next(&mut v13);
         // SAFETY: the device belongs to this instance; structures it does not know stay zero.
         unsafe { instance.handle.get_physical_device_features2(gpu, &mut all) };
         features.v10 = all.features;
         let null = std::ptr::null_mut();
         // The chain ran through locals that are moved now: cut the links.
         (v11.p_next, v12.p_next, v13.p_next) = (null, null, null);
-        Self {
-            v11,
-            v12,
-            v13,
-            ..features
-        }
+        Self { v11, v12, v13, ..features }
     }
 
     /// What to enable: all that is required and the extras that exist.
@@ -98,41 +90,18 @@ struct Required {
 
 /// Without these a GPU is not usable.
 const REQUIRED: &[Required] = &[
-    Required {
-        name: "fullDrawIndexUint32",
-        field: |f| &mut f.v10.full_draw_index_uint32,
-    },
-    Required {
-        name: "fillModeNonSolid",
-        field: |f| &mut f.v10.fill_mode_non_solid,
-    },
-    Required {
-        name: "bufferDeviceAddress",
-        field: |f| &mut f.v12.buffer_device_address,
-    },
-    Required {
-        name: "scalarBlockLayout",
-        field: |f| &mut f.v12.scalar_block_layout,
-    },
-    Required {
-        name: "dynamicRendering",
-        field: |f| &mut f.v13.dynamic_rendering,
-    },
-    Required {
-        name: "synchronization2",
-        field: |f| &mut f.v13.synchronization2,
-    },
-    Required {
-        name: "maintenance4",
-        field: |f| &mut f.v13.maintenance4,
-    },
+    Required { name: "fullDrawIndexUint32", field: |f| &mut f.v10.full_draw_index_uint32 },
+    Required { name: "fillModeNonSolid", field: |f| &mut f.v10.fill_mode_non_solid },
+    Required { name: "bufferDeviceAddress", field: |f| &mut f.v12.buffer_device_address },
+    Required { name: "scalarBlockLayout", field: |f| &mut f.v12.scalar_block_layout },
+    Required { name: "dynamicRendering", field: |f| &mut f.v13.dynamic_rendering },
+    Required { name: "synchronization2", field: |f| &mut f.v13.synchronization2 },
+    Required { name: "maintenance4", field: |f| &mut f.v13.maintenance4 },
 ];
 
 /// Names of the required features that a device lacks. The device must have Vulkan 1.3.
 pub(crate) fn missing_features(instance: &Instance, gpu: vk::PhysicalDevice) -> Vec<String> {
     let mut features = Features::query(instance, gpu);
-    let lacking = REQUIRED
-        .iter()
-        .filter(|r| *(r.field)(&mut features) != vk::TRUE);
+    let lacking = REQUIRED.iter().filter(|r| *(r.field)(&mut features) != vk::TRUE);
     lacking.map(|required| required.name.to_owned()).collect()
 }

@@ -89,12 +89,7 @@ impl GpuInfo {
             true => "usable".to_owned(),
             false => format!("lacks {}", self.unusable.join(", ")),
         };
-        format!(
-            "  {}: {} ({}): {verdict}",
-            self.index,
-            self.name,
-            self.kind.as_str()
-        )
+        format!("  {}: {} ({}): {verdict}", self.index, self.name, self.kind.as_str())
     }
 }
 
@@ -119,11 +114,7 @@ pub fn list_gpus() -> Result<Vec<GpuInfo>> {
 }
 
 /// Chooses a GPU that can present to `surface`, if one is given.
-pub(crate) fn choose(
-    instance: &Instance,
-    surface: Option<vk::SurfaceKHR>,
-    choice: &GpuChoice,
-) -> Result<Gpu> {
+pub(crate) fn choose(instance: &Instance, surface: Option<vk::SurfaceKHR>, choice: &GpuChoice) -> Result<Gpu> {
     let gpus = inspect_all(instance, surface)?;
     let lines: Vec<String> = gpus.iter().map(|gpu| gpu.info.line()).collect();
     let usable = gpus.into_iter().filter(|gpu| gpu.info.unusable.is_empty());
@@ -132,57 +123,32 @@ pub(crate) fn choose(
             let chosen = usable.min_by_key(|gpu| (gpu.info.kind, gpu.info.index));
             return chosen.ok_or(VulkanError::NoUsableDevice { reasons: lines });
         }
-        GpuChoice::Index(index) => (
-            usable.into_iter().find(|gpu| gpu.info.index == *index),
-            index.to_string(),
-        ),
+        GpuChoice::Index(index) => (usable.into_iter().find(|gpu| gpu.info.index == *index), index.to_string()),
         GpuChoice::Name(name) => {
             let wanted = name.to_lowercase();
             let mut usable = usable;
-            (
-                usable.find(|gpu| gpu.info.name.to_lowercase().contains(&wanted)),
-                name.clone(),
-            )
+            (usable.find(|gpu| gpu.info.name.to_lowercase().contains(&wanted)), name.clone())
         }
     };
-    chosen.ok_or(VulkanError::NoSuchGpu {
-        wanted,
-        available: lines,
-    })
+    chosen.ok_or(VulkanError::NoSuchGpu { wanted, available: lines })
 }
 
 fn inspect_all(instance: &Instance, surface: Option<vk::SurfaceKHR>) -> Result<Vec<Gpu>> {
     let devices = instance.physical_devices()?;
     let numbered = devices.into_iter().enumerate();
-    numbered
-        .map(|(index, handle)| inspect(instance, surface, index, handle))
-        .collect()
+    numbered.map(|(index, handle)| inspect(instance, surface, index, handle)).collect()
 }
 
-fn inspect(
-    instance: &Instance,
-    surface: Option<vk::SurfaceKHR>,
-    index: usize,
-    handle: vk::PhysicalDevice,
-) -> Result<Gpu> {
+fn inspect(instance: &Instance, surface: Option<vk::SurfaceKHR>, index: usize, handle: vk::PhysicalDevice) -> Result<Gpu> {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
-    let mut all = vk::PhysicalDeviceProperties2::default()
-        .push_next(&mut driver)
-        .push_next(&mut subgroup);
+    let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver).push_next(&mut subgroup);
     // SAFETY: the device belongs to this instance; structures of versions that it lacks are left as they are.
-    unsafe {
-        instance
-            .handle
-            .get_physical_device_properties2(handle, &mut all)
-    };
+    unsafe { instance.handle.get_physical_device_properties2(handle, &mut all) };
     let properties = all.properties;
     let mut unusable = Vec::new();
     if properties.api_version < vk::API_VERSION_1_3 {
-        unusable.push(format!(
-            "Vulkan 1.3 (it has {})",
-            version(properties.api_version)
-        ));
+        unusable.push(format!("Vulkan 1.3 (it has {})", version(properties.api_version)));
     } else {
         unusable.extend(missing_features(instance, handle));
     }
@@ -207,38 +173,15 @@ fn inspect(
         unusable,
     };
     let extras = Extras::query(instance, handle);
-    Ok(Gpu {
-        handle,
-        info,
-        limits: properties.limits,
-        queue_family,
-        timestamp_bits,
-        extras,
-    })
+    Ok(Gpu { handle, info, limits: properties.limits, queue_family, timestamp_bits, extras })
 }
 
-fn missing_extensions(
-    instance: &Instance,
-    handle: vk::PhysicalDevice,
-    wanted: &[&CStr],
-) -> Result<Vec<String>> {
+fn missing_extensions(instance: &Instance, handle: vk::PhysicalDevice, wanted: &[&CStr]) -> Result<Vec<String>> {
     // SAFETY: the device belongs to this instance.
-    let present = unsafe {
-        instance
-            .handle
-            .enumerate_device_extension_properties(handle)
-    }
-    .map_err(api("vkEnumerateDeviceExtensionProperties"))?;
-    let has = |name: &CStr| {
-        present
-            .iter()
-            .any(|e| e.extension_name_as_c_str() == Ok(name))
-    };
-    Ok(wanted
-        .iter()
-        .filter(|name| !has(name))
-        .map(|name| text(Some(name)))
-        .collect())
+    let present = unsafe { instance.handle.enumerate_device_extension_properties(handle) }
+        .map_err(api("vkEnumerateDeviceExtensionProperties"))?;
+    let has = |name: &CStr| present.iter().any(|e| e.extension_name_as_c_str() == Ok(name));
+    Ok(wanted.iter().filter(|name| !has(name)).map(|name| text(Some(name))).collect())
 }
 
 /// The first family with graphics and compute (and the surface), and its valid timestamp bits.
@@ -249,11 +192,7 @@ fn find_queue_family(
 ) -> Result<Option<(u32, u32)>> {
     let wanted = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
     // SAFETY: the device belongs to this instance.
-    let families = unsafe {
-        instance
-            .handle
-            .get_physical_device_queue_family_properties(handle)
-    };
+    let families = unsafe { instance.handle.get_physical_device_queue_family_properties(handle) };
     for (index, family) in (0u32..).zip(families) {
         if family.queue_flags.contains(wanted) && presents(instance, handle, index, surface)? {
             return Ok(Some((index, family.timestamp_valid_bits)));
@@ -262,12 +201,7 @@ fn find_queue_family(
     Ok(None)
 }
 
-fn presents(
-    instance: &Instance,
-    handle: vk::PhysicalDevice,
-    family: u32,
-    surface: Option<vk::SurfaceKHR>,
-) -> Result<bool> {
+fn presents(instance: &Instance, handle: vk::PhysicalDevice, family: u32, surface: Option<vk::SurfaceKHR>) -> Result<bool> {
     let Some(surface) = surface else {
         return Ok(true);
     };
@@ -278,14 +212,10 @@ fn presents(
 }
 
 fn version(version: u32) -> String {
-    let (major, minor) = (
-        vk::api_version_major(version),
-        vk::api_version_minor(version),
-    );
+    let (major, minor) = (vk::api_version_major(version), vk::api_version_minor(version));
     format!("{major}.{minor}.{}", vk::api_version_patch(version))
 }
 
 fn text(name: Option<&CStr>) -> String {
-    name.map(|name| name.to_string_lossy().into_owned())
-        .unwrap_or_default()
+    name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
 }

@@ -62,11 +62,7 @@ pub struct GraphicsDescription<'a> {
 
 impl<'a> GraphicsDescription<'a> {
     /// Filled triangles of both windings, with no depth test and no blending.
-    pub fn new(
-        vertex: Shader<'a>,
-        fragment: Option<Shader<'a>>,
-        color_formats: &'a [vk::Format],
-    ) -> Self {
+    pub fn new(vertex: Shader<'a>, fragment: Option<Shader<'a>>, color_formats: &'a [vk::Format]) -> Self {
         Self {
             vertex,
             fragment,
@@ -93,20 +89,12 @@ impl GraphicsPipeline {
     ///
     /// # Errors
     /// Shaders of the wrong stage, or whose bindings contradict each other, or that the device cannot run.
-    pub fn new(
-        context: &Arc<Context>,
-        name: &str,
-        description: &GraphicsDescription<'_>,
-    ) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, name: &str, description: &GraphicsDescription<'_>) -> Result<Self> {
         let mut shaders = vec![(description.vertex, vk::ShaderStageFlags::VERTEX)];
-        let fragment = description
-            .fragment
-            .map(|s| (s, vk::ShaderStageFlags::FRAGMENT));
+        let fragment = description.fragment.map(|s| (s, vk::ShaderStageFlags::FRAGMENT));
         shaders.extend(fragment);
-        let reflections: Vec<Reflection> = shaders
-            .iter()
-            .map(|(shader, stage)| reflect(shader, *stage, description.specialization))
-            .collect::<Result<_>>()?;
+        let reflections: Vec<Reflection> =
+            shaders.iter().map(|(shader, stage)| reflect(shader, *stage, description.specialization)).collect::<Result<_>>()?;
         let point = vk::PipelineBindPoint::GRAPHICS;
         let mut raw = RawPipeline::new(context, name, point, &reflections)?;
         raw.handle = create(context, description, &shaders, raw.layout)?;
@@ -121,20 +109,13 @@ impl Bindable for GraphicsPipeline {
     }
 }
 
-fn reflect(
-    shader: &Shader<'_>,
-    stage: vk::ShaderStageFlags,
-    specialization: &[(u32, u32)],
-) -> Result<Reflection> {
+fn reflect(shader: &Shader<'_>, stage: vk::ShaderStageFlags, specialization: &[(u32, u32)]) -> Result<Reflection> {
     let reflection = Reflection::new(shader, specialization)?;
     if reflection.stage == stage {
         return Ok(reflection);
     }
     let problem = format!("it is for {:?}, not {stage:?}", reflection.stage);
-    Err(VulkanError::Shader {
-        shader: shader.name.to_owned(),
-        problem,
-    })
+    Err(VulkanError::Shader { shader: shader.name.to_owned(), problem })
 }
 
 fn create(
@@ -145,10 +126,7 @@ fn create(
 ) -> Result<vk::Pipeline> {
     let specialization = Specialization::new(description.specialization);
     let specialization = specialization.info();
-    let modules: Vec<Module<'_>> = shaders
-        .iter()
-        .map(|(s, _)| Module::new(context, s))
-        .collect::<Result<_>>()?;
+    let modules: Vec<Module<'_>> = shaders.iter().map(|(s, _)| Module::new(context, s)).collect::<Result<_>>()?;
     let stage = |(module, (_, stage)): (&Module<'_>, &(Shader<'_>, vk::ShaderStageFlags))| {
         vk::PipelineShaderStageCreateInfo::default()
             .stage(*stage)
@@ -158,14 +136,10 @@ fn create(
     };
     let stages: Vec<_> = modules.iter().zip(shaders).map(stage).collect();
     let vertex_input = vk::PipelineVertexInputStateCreateInfo::default();
-    let assembly =
-        vk::PipelineInputAssemblyStateCreateInfo::default().topology(description.topology);
-    let viewport = vk::PipelineViewportStateCreateInfo::default()
-        .viewport_count(1)
-        .scissor_count(1);
+    let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(description.topology);
+    let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let raster = rasterization(description);
-    let samples = vk::PipelineMultisampleStateCreateInfo::default()
-        .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
     let depth = depth_state(description.depth);
     let attachments = vec![blend_state(description.blend); description.color_formats.len()];
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachments);
@@ -188,18 +162,12 @@ fn create(
         .push_next(&mut rendering);
     let cache = vk::PipelineCache::null();
     // SAFETY: modules, layout and all states outlive the call.
-    let created = unsafe {
-        context
-            .device()
-            .create_graphics_pipelines(cache, &[info], None)
-    };
+    let created = unsafe { context.device().create_graphics_pipelines(cache, &[info], None) };
     let created = created.map_err(|(_, result)| api("vkCreateGraphicsPipelines")(result))?;
     Ok(created[0])
 }
 
-fn rasterization(
-    description: &GraphicsDescription<'_>,
-) -> vk::PipelineRasterizationStateCreateInfo<'static> {
+fn rasterization(description: &GraphicsDescription<'_>) -> vk::PipelineRasterizationStateCreateInfo<'static> {
     vk::PipelineRasterizationStateCreateInfo::default()
         .polygon_mode(description.polygon)
         .cull_mode(description.cull)
@@ -211,10 +179,7 @@ fn depth_state(test: Option<DepthTest>) -> vk::PipelineDepthStencilStateCreateIn
     let state = vk::PipelineDepthStencilStateCreateInfo::default();
     match test {
         None => state,
-        Some(DepthTest { compare, write }) => state
-            .depth_test_enable(true)
-            .depth_write_enable(write)
-            .depth_compare_op(compare),
+        Some(DepthTest { compare, write }) => state.depth_test_enable(true).depth_write_enable(write).depth_compare_op(compare),
     }
 }
 
@@ -227,11 +192,7 @@ fn blend_state(blend: Blend) -> vk::PipelineColorBlendAttachmentState {
         Blend::Add => (F::ONE, F::ONE),
     };
     // Alpha is covered, never multiplied by itself.
-    let alpha = if blend == Blend::Alpha {
-        F::ONE
-    } else {
-        source
-    };
+    let alpha = if blend == Blend::Alpha { F::ONE } else { source };
     vk::PipelineColorBlendAttachmentState::default()
         .color_write_mask(vk::ColorComponentFlags::RGBA)
         .blend_enable(blend != Blend::Replace)

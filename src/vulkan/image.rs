@@ -32,23 +32,9 @@ pub struct ImageDescription<'a> {
 
 impl<'a> ImageDescription<'a> {
     /// A plain 2D image with one layer and one level.
-    pub fn new(
-        name: &'a str,
-        size: (u32, u32),
-        format: vk::Format,
-        usage: vk::ImageUsageFlags,
-    ) -> Self {
+    pub fn new(name: &'a str, size: (u32, u32), format: vk::Format, usage: vk::ImageUsageFlags) -> Self {
         let (width, height) = size;
-        Self {
-            name,
-            width,
-            height,
-            layers: 1,
-            array: false,
-            mips: 1,
-            format,
-            usage,
-        }
+        Self { name, width, height, layers: 1, array: false, mips: 1, format, usage }
     }
 }
 
@@ -89,32 +75,19 @@ impl Image {
     /// Out of memory, or a size or format that the device does not support.
     pub fn new(context: &Arc<Context>, description: &ImageDescription<'_>) -> Result<Self> {
         check_limits(context, description)?;
-        let ImageDescription {
-            name,
-            width,
-            height,
-            layers,
-            mips,
-            format,
-            ..
-        } = *description;
+        let ImageDescription { name, width, height, layers, mips, format, .. } = *description;
         let transfer = vk::ImageUsageFlags::TRANSFER_SRC | vk::ImageUsageFlags::TRANSFER_DST;
         let info = vk::ImageCreateInfo::default()
             .image_type(vk::ImageType::TYPE_2D)
             .format(format)
-            .extent(vk::Extent3D {
-                width,
-                height,
-                depth: 1,
-            })
+            .extent(vk::Extent3D { width, height, depth: 1 })
             .mip_levels(mips)
             .array_layers(layers)
             .samples(vk::SampleCountFlags::TYPE_1)
             .tiling(vk::ImageTiling::OPTIMAL)
             .usage(description.usage | transfer);
         // SAFETY: the device is alive, the sizes are within its limits.
-        let handle =
-            unsafe { context.device().create_image(&info, None) }.map_err(api("vkCreateImage"))?;
+        let handle = unsafe { context.device().create_image(&info, None) }.map_err(api("vkCreateImage"))?;
         context.set_name(handle, name);
         let mut raw = RawImage {
             context: context.clone(),
@@ -179,11 +152,7 @@ impl Image {
 
     /// Another handle to the same image.
     pub(crate) fn share(&self) -> Self {
-        Self {
-            view: self.view.clone(),
-            mips: self.mips,
-            layers: self.layers,
-        }
+        Self { view: self.view.clone(), mips: self.mips, layers: self.layers }
     }
 
     pub(crate) fn raw(&self) -> &Arc<RawImage> {
@@ -195,14 +164,9 @@ impl Image {
         if layer < self.layers && mip < self.mips {
             return Ok(());
         }
-        let problem = format!(
-            "layer {layer}, level {mip} does not exist: there are {} layers and {} levels",
-            self.layers, self.mips
-        );
-        Err(VulkanError::Access {
-            what: self.name().to_owned(),
-            problem,
-        })
+        let problem =
+            format!("layer {layer}, level {mip} does not exist: there are {} layers and {} levels", self.layers, self.mips);
+        Err(VulkanError::Access { what: self.name().to_owned(), problem })
     }
 }
 
@@ -220,27 +184,13 @@ impl ImageView {
             base_array_layer: layers.start,
             layer_count: layers.end - layers.start,
         };
-        let kind = if array {
-            vk::ImageViewType::TYPE_2D_ARRAY
-        } else {
-            vk::ImageViewType::TYPE_2D
-        };
-        let info = vk::ImageViewCreateInfo::default()
-            .image(image.handle)
-            .view_type(kind)
-            .format(image.format)
-            .subresource_range(range);
+        let kind = if array { vk::ImageViewType::TYPE_2D_ARRAY } else { vk::ImageViewType::TYPE_2D };
+        let info =
+            vk::ImageViewCreateInfo::default().image(image.handle).view_type(kind).format(image.format).subresource_range(range);
         // SAFETY: the image is alive and has these layers and levels.
-        let handle = unsafe { image.context.device().create_image_view(&info, None) }
-            .map_err(api("vkCreateImageView"))?;
+        let handle = unsafe { image.context.device().create_image_view(&info, None) }.map_err(api("vkCreateImageView"))?;
         image.context.set_name(handle, &image.name);
-        Ok(Self {
-            raw: Arc::new(RawView {
-                image,
-                handle,
-                range,
-            }),
-        })
+        Ok(Self { raw: Arc::new(RawView { image, handle, range }) })
     }
 
     /// Width and height of the first level of the view.
@@ -268,15 +218,7 @@ impl RawImage {
     ) -> Self {
         let context = context.clone();
         context.set_name(handle, &name);
-        Self {
-            context,
-            name,
-            handle,
-            format,
-            extent,
-            allocation: None,
-            owned: false,
-        }
+        Self { context, name, handle, format, extent, allocation: None, owned: false }
     }
 
     fn bind(&mut self) -> Result<()> {
@@ -285,9 +227,7 @@ impl RawImage {
         let needs = unsafe { device.get_image_memory_requirements(self.handle) };
         let allocation = memory::allocate(&self.context, &self.name, needs, Memory::Device, false)?;
         // SAFETY: the allocation fits the requirements and belongs to this image alone.
-        let bound = unsafe {
-            device.bind_image_memory(self.handle, allocation.memory(), allocation.offset())
-        };
+        let bound = unsafe { device.bind_image_memory(self.handle, allocation.memory(), allocation.offset()) };
         self.allocation = Some(allocation);
         bound.map_err(api("vkBindImageMemory"))
     }
@@ -309,12 +249,7 @@ impl Drop for RawImage {
 impl Drop for RawView {
     fn drop(&mut self) {
         // SAFETY: commands hold an `Arc` of this until they are done; the image is still alive.
-        unsafe {
-            self.image
-                .context
-                .device()
-                .destroy_image_view(self.handle, None)
-        };
+        unsafe { self.image.context.device().destroy_image_view(self.handle, None) };
     }
 }
 
@@ -339,15 +274,9 @@ fn check_limits(context: &Context, description: &ImageDescription<'_>) -> Result
         let limit = limits.max_image_array_layers;
         format!("{} layers; there can be 1 to {limit}", description.layers)
     } else if !(1..=levels).contains(&description.mips) {
-        format!(
-            "{} mip levels; there can be 1 to {levels}",
-            description.mips
-        )
+        format!("{} mip levels; there can be 1 to {levels}", description.mips)
     } else {
         return Ok(());
     };
-    Err(VulkanError::Access {
-        what: description.name.to_owned(),
-        problem,
-    })
+    Err(VulkanError::Access { what: description.name.to_owned(), problem })
 }

@@ -26,9 +26,7 @@ impl Instance {
     /// Loads Vulkan and creates an instance with the extensions that a window asks for.
     pub(crate) fn new(validation: bool, window_extensions: &[*const c_char]) -> Result<Self> {
         // SAFETY: the system's Vulkan loader is trusted to be one; nothing of it is used after the entry is dropped.
-        let entry = unsafe { ash::Entry::load() }.map_err(|e| VulkanError::NoLoader {
-            reason: e.to_string(),
-        })?;
+        let entry = unsafe { ash::Entry::load() }.map_err(|e| VulkanError::NoLoader { reason: e.to_string() })?;
         if validation && !has_layer(&entry)? {
             return Err(VulkanError::MissingValidation);
         }
@@ -47,13 +45,7 @@ impl Instance {
         }
         let log = Arc::new(MessageLog::default());
         let handle = create(&entry, validation, &extensions, &log)?;
-        let mut instance = Self {
-            entry,
-            handle,
-            debug_utils,
-            messenger: None,
-            log,
-        };
+        let mut instance = Self { entry, handle, debug_utils, messenger: None, log };
         if validation {
             instance.messenger = Some(instance.create_messenger()?);
         }
@@ -63,12 +55,11 @@ impl Instance {
     /// All physical devices; none is the error `NoDriver`.
     pub(crate) fn physical_devices(&self) -> Result<Vec<vk::PhysicalDevice>> {
         // SAFETY: the instance is alive.
-        let devices =
-            unsafe { self.handle.enumerate_physical_devices() }.map_err(|result| match result {
-                // What the loader returns when every driver has failed to start.
-                vk::Result::ERROR_INITIALIZATION_FAILED => VulkanError::NoDriver,
-                result => api("vkEnumeratePhysicalDevices")(result),
-            })?;
+        let devices = unsafe { self.handle.enumerate_physical_devices() }.map_err(|result| match result {
+            // What the loader returns when every driver has failed to start.
+            vk::Result::ERROR_INITIALIZATION_FAILED => VulkanError::NoDriver,
+            result => api("vkEnumeratePhysicalDevices")(result),
+        })?;
         if devices.is_empty() {
             return Err(VulkanError::NoDriver);
         }
@@ -78,9 +69,8 @@ impl Instance {
     fn create_messenger(&self) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT)> {
         let functions = ext::debug_utils::Instance::new(&self.entry, &self.handle);
         // SAFETY: the log outlives the messenger, see `drop`.
-        let messenger =
-            unsafe { functions.create_debug_utils_messenger(&self.log.messenger(), None) }
-                .map_err(api("vkCreateDebugUtilsMessengerEXT"))?;
+        let messenger = unsafe { functions.create_debug_utils_messenger(&self.log.messenger(), None) }
+            .map_err(api("vkCreateDebugUtilsMessengerEXT"))?;
         Ok((functions, messenger))
     }
 }
@@ -97,28 +87,16 @@ impl Drop for Instance {
     }
 }
 
-fn create(
-    entry: &ash::Entry,
-    validation: bool,
-    extensions: &[*const c_char],
-    log: &MessageLog,
-) -> Result<ash::Instance> {
-    let application = vk::ApplicationInfo::default()
-        .application_name(c"Terrane")
-        .engine_name(c"Terrane")
-        .api_version(vk::API_VERSION_1_3);
+fn create(entry: &ash::Entry, validation: bool, extensions: &[*const c_char], log: &MessageLog) -> Result<ash::Instance> {
+    let application =
+        vk::ApplicationInfo::default().application_name(c"Terrane").engine_name(c"Terrane").api_version(vk::API_VERSION_1_3);
     let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let mut messenger = log.messenger();
     let layers = [VALIDATION_LAYER.as_ptr()];
-    let mut info = vk::InstanceCreateInfo::default()
-        .application_info(&application)
-        .enabled_extension_names(extensions);
+    let mut info = vk::InstanceCreateInfo::default().application_info(&application).enabled_extension_names(extensions);
     if validation {
-        info = info
-            .enabled_layer_names(&layers)
-            .push_next(&mut features)
-            .push_next(&mut messenger);
+        info = info.enabled_layer_names(&layers).push_next(&mut features).push_next(&mut messenger);
     }
     // SAFETY: everything the info points to outlives the call; the log outlives the instance.
     unsafe { entry.create_instance(&info, None) }.map_err(api("vkCreateInstance"))
@@ -126,18 +104,13 @@ fn create(
 
 fn has_layer(entry: &ash::Entry) -> Result<bool> {
     // SAFETY: the loader is alive.
-    let layers = unsafe { entry.enumerate_instance_layer_properties() }
-        .map_err(api("vkEnumerateInstanceLayerProperties"))?;
-    Ok(layers
-        .iter()
-        .any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)))
+    let layers = unsafe { entry.enumerate_instance_layer_properties() }.map_err(api("vkEnumerateInstanceLayerProperties"))?;
+    Ok(layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)))
 }
 
 fn has_extension(entry: &ash::Entry, name: &CStr) -> Result<bool> {
     // SAFETY: the loader is alive.
-    let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }
-        .map_err(api("vkEnumerateInstanceExtensionProperties"))?;
-    Ok(extensions
-        .iter()
-        .any(|extension| extension.extension_name_as_c_str() == Ok(name)))
+    let extensions =
+        unsafe { entry.enumerate_instance_extension_properties(None) }.map_err(api("vkEnumerateInstanceExtensionProperties"))?;
+    Ok(extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(name)))
 }

@@ -50,11 +50,7 @@ impl Resource<'_> {
     /// Why the resource does not fit a binding, if it does not.
     fn misfit(&self, binding: &Binding) -> Option<String> {
         if self.kind() != binding.kind {
-            return Some(format!(
-                "it takes {:?}, not {:?}",
-                binding.kind,
-                self.kind()
-            ));
+            return Some(format!("it takes {:?}, not {:?}", binding.kind, self.kind()));
         }
         let (buffer, usage) = match self {
             Self::Storage(buffer) => (buffer, Usage::STORAGE_BUFFER),
@@ -90,12 +86,7 @@ pub struct RawPipelineRef<'a>(pub(crate) &'a Arc<RawPipeline>);
 
 impl RawPipeline {
     /// Creates the layouts for shaders that work together; the caller then sets `handle`.
-    pub(crate) fn new(
-        context: &Arc<Context>,
-        name: &str,
-        point: vk::PipelineBindPoint,
-        shaders: &[Reflection],
-    ) -> Result<Self> {
+    pub(crate) fn new(context: &Arc<Context>, name: &str, point: vk::PipelineBindPoint, shaders: &[Reflection]) -> Result<Self> {
         let mut raw = Self {
             context: context.clone(),
             name: name.to_owned(),
@@ -104,25 +95,13 @@ impl RawPipeline {
             set_layout: vk::DescriptorSetLayout::null(),
             point,
             bindings: merge(name, shaders)?,
-            stages: shaders
-                .iter()
-                .fold(vk::ShaderStageFlags::empty(), |all, s| all | s.stage),
-            push_constant_bytes: shaders
-                .iter()
-                .map(|s| s.push_constant_bytes)
-                .max()
-                .unwrap_or(0),
+            stages: shaders.iter().fold(vk::ShaderStageFlags::empty(), |all, s| all | s.stage),
+            push_constant_bytes: shaders.iter().map(|s| s.push_constant_bytes).max().unwrap_or(0),
         };
         let limit = context.limits().max_push_constants_size;
         if raw.push_constant_bytes > limit {
-            let problem = format!(
-                "{} bytes of push constants; the limit is {limit}",
-                raw.push_constant_bytes
-            );
-            return Err(VulkanError::Shader {
-                shader: name.to_owned(),
-                problem,
-            });
+            let problem = format!("{} bytes of push constants; the limit is {limit}", raw.push_constant_bytes);
+            return Err(VulkanError::Shader { shader: name.to_owned(), problem });
         }
         raw.create_layouts()?;
         Ok(raw)
@@ -135,27 +114,20 @@ impl RawPipeline {
             .bindings(&bindings);
         let device = self.context.device();
         // SAFETY: the device is alive and has push descriptors.
-        self.set_layout = unsafe { device.create_descriptor_set_layout(&info, None) }
-            .map_err(api("vkCreateDescriptorSetLayout"))?;
+        self.set_layout =
+            unsafe { device.create_descriptor_set_layout(&info, None) }.map_err(api("vkCreateDescriptorSetLayout"))?;
         let sets = [self.set_layout];
-        let ranges = [vk::PushConstantRange::default()
-            .stage_flags(self.stages)
-            .size(self.push_constant_bytes.next_multiple_of(4))];
+        let ranges =
+            [vk::PushConstantRange::default().stage_flags(self.stages).size(self.push_constant_bytes.next_multiple_of(4))];
         let used = usize::from(self.push_constant_bytes > 0);
-        let info = vk::PipelineLayoutCreateInfo::default()
-            .set_layouts(&sets)
-            .push_constant_ranges(&ranges[..used]);
+        let info = vk::PipelineLayoutCreateInfo::default().set_layouts(&sets).push_constant_ranges(&ranges[..used]);
         // SAFETY: the set layout is alive.
-        self.layout = unsafe { device.create_pipeline_layout(&info, None) }
-            .map_err(api("vkCreatePipelineLayout"))?;
+        self.layout = unsafe { device.create_pipeline_layout(&info, None) }.map_err(api("vkCreatePipelineLayout"))?;
         Ok(())
     }
 
     /// Pairs every binding with its resource.
-    pub(crate) fn match_resources<'r, 'a>(
-        &self,
-        resources: &'r [(&str, Resource<'a>)],
-    ) -> Result<Vec<(u32, &'r Resource<'a>)>> {
+    pub(crate) fn match_resources<'r, 'a>(&self, resources: &'r [(&str, Resource<'a>)]) -> Result<Vec<(u32, &'r Resource<'a>)>> {
         for (name, _) in resources {
             if !self.bindings.iter().any(|binding| binding.name == *name) {
                 return Err(self.wrong(name, format!("there is none; there are {}", self.names())));
@@ -181,11 +153,7 @@ impl RawPipeline {
     }
 
     fn wrong(&self, binding: &str, problem: String) -> VulkanError {
-        VulkanError::Binding {
-            pipeline: self.name.clone(),
-            binding: binding.to_owned(),
-            problem,
-        }
+        VulkanError::Binding { pipeline: self.name.clone(), binding: binding.to_owned(), problem }
     }
 }
 
@@ -209,23 +177,15 @@ pub(crate) struct Specialization {
 
 impl Specialization {
     pub(crate) fn new(constants: &[(u32, u32)]) -> Self {
-        let entry = |(offset, (id, _)): (u32, &(u32, u32))| vk::SpecializationMapEntry {
-            constant_id: *id,
-            offset: offset * 4,
-            size: 4,
-        };
+        let entry =
+            |(offset, (id, _)): (u32, &(u32, u32))| vk::SpecializationMapEntry { constant_id: *id, offset: offset * 4, size: 4 };
         let entries = (0u32..).zip(constants).map(entry).collect();
-        let data = constants
-            .iter()
-            .flat_map(|(_, value)| value.to_ne_bytes())
-            .collect();
+        let data = constants.iter().flat_map(|(_, value)| value.to_ne_bytes()).collect();
         Self { entries, data }
     }
 
     pub(crate) fn info(&self) -> vk::SpecializationInfo<'_> {
-        vk::SpecializationInfo::default()
-            .map_entries(&self.entries)
-            .data(&self.data)
+        vk::SpecializationInfo::default().map_entries(&self.entries).data(&self.data)
     }
 }
 
@@ -241,26 +201,18 @@ fn layout_binding(binding: &Binding) -> vk::DescriptorSetLayoutBinding<'static> 
 fn merge(pipeline: &str, shaders: &[Reflection]) -> Result<Vec<Binding>> {
     let mut merged: Vec<Binding> = Vec::new();
     for binding in shaders.iter().flat_map(|shader| &shader.bindings) {
-        let wrong = |problem: String| VulkanError::Binding {
-            pipeline: pipeline.to_owned(),
-            binding: binding.name.clone(),
-            problem,
-        };
+        let wrong =
+            |problem: String| VulkanError::Binding { pipeline: pipeline.to_owned(), binding: binding.name.clone(), problem };
         if binding.count != 1 {
             return Err(wrong("arrays of resources are not supported".to_owned()));
         }
-        match merged
-            .iter_mut()
-            .find(|other| other.number == binding.number)
-        {
+        match merged.iter_mut().find(|other| other.number == binding.number) {
             Some(other) if other.name == binding.name && other.kind == binding.kind => {
                 other.stages |= binding.stages;
             }
             Some(other) => {
                 let (number, other) = (binding.number, &other.name);
-                return Err(wrong(format!(
-                    "its number {number} is also that of `{other}`"
-                )));
+                return Err(wrong(format!("its number {number} is also that of `{other}`")));
             }
             None => merged.push(binding.clone()),
         }

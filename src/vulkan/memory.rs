@@ -43,10 +43,7 @@ pub(crate) fn allocate(
         linear,
         allocation_scheme: AllocationScheme::GpuAllocatorManaged,
     };
-    context
-        .allocator()
-        .allocate(&description)
-        .map_err(|error| allocation_error(name, requirements.size, &error))
+    context.allocator().allocate(&description).map_err(|error| allocation_error(name, requirements.size, &error))
 }
 
 /// Gives memory back.
@@ -58,13 +55,7 @@ pub(crate) fn free(context: &Context, allocation: Allocation) {
 
 pub(crate) fn allocation_error(what: &str, bytes: u64, error: &AllocationError) -> VulkanError {
     match error {
-        AllocationError::OutOfMemory => VulkanError::OutOfMemory {
-            what: what.to_owned(),
-            bytes,
-        },
-        other => VulkanError::Access {
-            what: what.to_owned(),
-            problem: other.to_string(),
-        },
+        AllocationError::OutOfMemory => VulkanError::OutOfMemory { what: what.to_owned(), bytes },
+        other => VulkanError::Access { what: what.to_owned(), problem: other.to_string() },
     }
 }

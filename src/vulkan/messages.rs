@@ -61,15 +61,9 @@ impl MessageLog {
     pub(crate) fn messenger(&self) -> vk::DebugUtilsMessengerCreateInfoEXT<'static> {
         let log: *const Self = self;
         vk::DebugUtilsMessengerCreateInfoEXT::default()
-            .message_severity(
-                vk::DebugUtilsMessageSeverityFlagsEXT::WARNING
-                    | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR,
-            )
+            .message_severity(vk::DebugUtilsMessageSeverityFlagsEXT::WARNING | vk::DebugUtilsMessageSeverityFlagsEXT::ERROR)
             // Not GENERAL: the loader reports there every driver that finds no hardware.
-            .message_type(
-                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
-                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
-            )
+            .message_type(vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE)
             .pfn_user_callback(Some(receive))
             .user_data(log.cast_mut().cast())
     }
@@ -90,17 +84,9 @@ unsafe extern "system" fn receive(
         // SAFETY: both are null or strings that end in a null byte.
         let (id, text) = unsafe { (to_text(data.p_message_id_name), to_text(data.p_message)) };
         let error = severity.contains(vk::DebugUtilsMessageSeverityFlagsEXT::ERROR);
-        let severity = if error {
-            Severity::Error
-        } else {
-            Severity::Warning
-        };
+        let severity = if error { Severity::Error } else { Severity::Warning };
         tracing::warn!(?severity, "{text}");
-        log.push(ValidationMessage {
-            severity,
-            id: id.into_owned(),
-            text: text.into_owned(),
-        });
+        log.push(ValidationMessage { severity, id: id.into_owned(), text: text.into_owned() });
     }
     vk::FALSE
 }

@@ -94,20 +94,12 @@ impl Commands {
     ///
     /// # Errors
     /// A binding that is missing, unknown, given twice or of the wrong kind.
-    pub fn bind(
-        &mut self,
-        pipeline: &impl Bindable,
-        resources: &[(&str, Resource<'_>)],
-    ) -> Result<()> {
+    pub fn bind(&mut self, pipeline: &impl Bindable, resources: &[(&str, Resource<'_>)]) -> Result<()> {
         let commands = self.recorder()?;
         let raw = pipeline.raw().0;
         let matched = raw.match_resources(resources)?;
         // SAFETY: the commands are recording, and the pipeline is kept below.
-        unsafe {
-            self.context
-                .device()
-                .cmd_bind_pipeline(commands, raw.point, raw.handle)
-        };
+        unsafe { self.context.device().cmd_bind_pipeline(commands, raw.point, raw.handle) };
         self.push_resources(commands, raw, &matched);
         for (_, resource) in &matched {
             resource.keep(&mut self.kept);
@@ -138,9 +130,7 @@ impl Commands {
         let (layout, stages) = (pipeline.layout, pipeline.stages);
         // SAFETY: the commands are recording, the layout is alive and takes these bytes.
         unsafe {
-            self.context
-                .device()
-                .cmd_push_constants(commands, layout, stages, 0, bytes);
+            self.context.device().cmd_push_constants(commands, layout, stages, 0, bytes);
         }
         Ok(())
     }
@@ -153,11 +143,7 @@ impl Commands {
         let commands = self.outside_rendering()?;
         self.check_bound(vk::PipelineBindPoint::COMPUTE)?;
         let most = self.context.limits().max_compute_work_group_count;
-        if [x, y, z]
-            .iter()
-            .zip(most)
-            .any(|(count, most)| *count > most)
-        {
+        if [x, y, z].iter().zip(most).any(|(count, most)| *count > most) {
             let problem = format!("{x} × {y} × {z} workgroups; the limits are {most:?}");
             return Err(self.misuse(&problem));
         }
@@ -183,40 +169,21 @@ impl Commands {
     fn pipeline_barrier(&mut self, dependency: &vk::DependencyInfo<'_>) -> Result<()> {
         let commands = self.outside_rendering()?;
         // SAFETY: the commands are recording outside rendering; images are kept by the caller.
-        unsafe {
-            self.context
-                .device()
-                .cmd_pipeline_barrier2(commands, dependency)
-        };
+        unsafe { self.context.device().cmd_pipeline_barrier2(commands, dependency) };
         Ok(())
     }
 
     fn execution_barrier(&mut self) -> Result<()> {
-        let (all, none) = (
-            vk::PipelineStageFlags2::ALL_COMMANDS,
-            vk::AccessFlags2::NONE,
-        );
+        let (all, none) = (vk::PipelineStageFlags2::ALL_COMMANDS, vk::AccessFlags2::NONE);
         self.memory_barrier(all, none, all, none)
     }
 
-    fn push_resources(
-        &self,
-        commands: vk::CommandBuffer,
-        pipeline: &RawPipeline,
-        matched: &[(u32, &Resource<'_>)],
-    ) {
+    fn push_resources(&self, commands: vk::CommandBuffer, pipeline: &RawPipeline, matched: &[(u32, &Resource<'_>)]) {
         if matched.is_empty() {
             return;
         }
-        let infos: Vec<_> = matched
-            .iter()
-            .map(|(_, resource)| Info::new(resource))
-            .collect();
-        let writes: Vec<_> = matched
-            .iter()
-            .zip(&infos)
-            .map(|((number, _), info)| info.write(*number))
-            .collect();
+        let infos: Vec<_> = matched.iter().map(|(_, resource)| Info::new(resource)).collect();
+        let writes: Vec<_> = matched.iter().zip(&infos).map(|((number, _), info)| info.write(*number)).collect();
         let (point, layout) = (pipeline.point, pipeline.layout);
         let functions = self.context.push_descriptor();
         // SAFETY: the commands are recording; layout and resources are alive and of the right kinds.
@@ -262,24 +229,14 @@ enum Info {
 
 impl Info {
     fn new(resource: &Resource<'_>) -> Self {
-        let whole = |buffer: &Buffer| {
-            [vk::DescriptorBufferInfo::default()
-                .buffer(buffer.raw.handle)
-                .range(vk::WHOLE_SIZE)]
-        };
+        let whole = |buffer: &Buffer| [vk::DescriptorBufferInfo::default().buffer(buffer.raw.handle).range(vk::WHOLE_SIZE)];
         let image = |view: &ImageView, access: Access| {
             let (_, _, layout) = access.parts();
-            vk::DescriptorImageInfo::default()
-                .image_view(view.raw.handle)
-                .image_layout(layout)
+            vk::DescriptorImageInfo::default().image_view(view.raw.handle).image_layout(layout)
         };
         match resource {
-            Resource::Storage(buffer) => {
-                Self::Buffer(vk::DescriptorType::STORAGE_BUFFER, whole(buffer))
-            }
-            Resource::Uniform(buffer) => {
-                Self::Buffer(vk::DescriptorType::UNIFORM_BUFFER, whole(buffer))
-            }
+            Resource::Storage(buffer) => Self::Buffer(vk::DescriptorType::STORAGE_BUFFER, whole(buffer)),
+            Resource::Uniform(buffer) => Self::Buffer(vk::DescriptorType::UNIFORM_BUFFER, whole(buffer)),
             Resource::Sampled(view, sampler) => {
                 let info = image(view, Access::Sampled).sampler(sampler.raw.handle);
                 Self::Image(vk::DescriptorType::COMBINED_IMAGE_SAMPLER, [info])

@@ -73,10 +73,7 @@ impl Reflection {
     /// Damaged SPIR-V, another stage than vertex, fragment and compute, an entry point other than `main`, a descriptor
     /// set other than 0, separate samplers, or arrays of unknown length.
     pub fn new(shader: &Shader<'_>, specialization: &[(u32, u32)]) -> Result<Self> {
-        let fail = |problem| VulkanError::Shader {
-            shader: shader.name.to_owned(),
-            problem,
-        };
+        let fail = |problem| VulkanError::Shader { shader: shader.name.to_owned(), problem };
         let mut module = Module::parse(shader.words).map_err(fail)?;
         specialize(&mut module, specialization);
         let stage = stage(&module).map_err(fail)?;
@@ -91,12 +88,7 @@ impl Reflection {
         }
         bindings.sort_by_key(|binding| binding.number);
         let workgroup_size = workgroup_size(&module);
-        Ok(Self {
-            stage,
-            bindings,
-            push_constant_bytes,
-            workgroup_size,
-        })
+        Ok(Self { stage, bindings, push_constant_bytes, workgroup_size })
     }
 }
 
@@ -132,10 +124,7 @@ fn workgroup_size(module: &Module) -> [u32; 3] {
     /// Number of the built-in in SPIR-V.
     const WORKGROUP_SIZE: u32 = 25;
     let value = |id: &u32| module.constants.get(id).copied().unwrap_or(0);
-    let built_in = module
-        .composites
-        .iter()
-        .find(|(id, _)| module.decoration(**id, decoration::BUILT_IN) == Some(WORKGROUP_SIZE));
+    let built_in = module.composites.iter().find(|(id, _)| module.decoration(**id, decoration::BUILT_IN) == Some(WORKGROUP_SIZE));
     match (built_in, module.local_size_id) {
         (Some((_, parts)), _) if parts.len() == 3 => std::array::from_fn(|i| value(&parts[i])),
         (_, Some(ids)) => ids.map(|id| value(&id)),
@@ -151,16 +140,8 @@ fn pointee(module: &Module, variable: &Variable) -> u32 {
 }
 
 /// The binding that a variable declares; none for inputs, outputs and the like.
-fn binding(
-    module: &Module,
-    variable: &Variable,
-    stages: vk::ShaderStageFlags,
-) -> std::result::Result<Option<Binding>, String> {
-    let resource = [
-        class::UNIFORM_CONSTANT,
-        class::UNIFORM,
-        class::STORAGE_BUFFER,
-    ];
+fn binding(module: &Module, variable: &Variable, stages: vk::ShaderStageFlags) -> std::result::Result<Option<Binding>, String> {
+    let resource = [class::UNIFORM_CONSTANT, class::UNIFORM, class::STORAGE_BUFFER];
     if !resource.contains(&variable.class) {
         return Ok(None);
     }
@@ -170,20 +151,14 @@ fn binding(
     let Some(number) = number else {
         return Err(format!("`{name}` has no binding number"));
     };
-    let set = module
-        .decoration(variable.id, decoration::DESCRIPTOR_SET)
-        .unwrap_or(0);
+    let set = module.decoration(variable.id, decoration::DESCRIPTOR_SET).unwrap_or(0);
     if set != 0 {
-        return Err(format!(
-            "`{name}` is in descriptor set {set}; there is set 0 only"
-        ));
+        return Err(format!("`{name}` is in descriptor set {set}; there is set 0 only"));
     }
     if count == 0 {
         return Err(format!("`{name}` is an array of unknown length"));
     }
-    let buffer_block = module
-        .decoration(type_id, decoration::BUFFER_BLOCK)
-        .is_some();
+    let buffer_block = module.decoration(type_id, decoration::BUFFER_BLOCK).is_some();
     let block = module.decoration(type_id, decoration::BLOCK).is_some();
     let kind = match (variable.class, module.types.get(&type_id)) {
         (class::STORAGE_BUFFER, _) => BindingKind::Storage,
@@ -196,13 +171,7 @@ fn binding(
         }
         _ => return Err(format!("`{name}` is of a kind that is not supported")),
     };
-    Ok(Some(Binding {
-        name,
-        number,
-        kind,
-        count,
-        stages,
-    }))
+    Ok(Some(Binding { name, number, kind, count, stages }))
 }
 
 /// The element type and length of an array; the type itself and 1 for others; length 0 if it is not known.
@@ -215,14 +184,6 @@ fn element(module: &Module, type_id: u32) -> (u32, u32) {
 }
 
 fn name(module: &Module, variable: u32, type_id: u32) -> String {
-    let named = |id| {
-        module
-            .names
-            .get(&id)
-            .filter(|name| !name.is_empty())
-            .cloned()
-    };
-    named(variable)
-        .or_else(|| named(type_id))
-        .unwrap_or_default()
+    let named = |id| module.names.get(&id).filter(|name| !name.is_empty()).cloned();
+    named(variable).or_else(|| named(type_id)).unwrap_or_default()
 }

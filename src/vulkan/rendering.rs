@@ -35,18 +35,9 @@ impl Commands {
     ///
     /// # Errors
     /// No target, or targets of different sizes, or already rendering.
-    pub fn begin_rendering(
-        &mut self,
-        colors: &[ColorTarget<'_>],
-        depth: Option<DepthTarget<'_>>,
-    ) -> Result<()> {
+    pub fn begin_rendering(&mut self, colors: &[ColorTarget<'_>], depth: Option<DepthTarget<'_>>) -> Result<()> {
         let commands = self.outside_rendering()?;
-        let views = || {
-            colors
-                .iter()
-                .map(|c| c.view)
-                .chain(depth.iter().map(|d| d.view))
-        };
+        let views = || colors.iter().map(|c| c.view).chain(depth.iter().map(|d| d.view));
         let Some(size) = views().next().map(ImageView::size) else {
             return Err(self.misuse("begin_rendering without a target"));
         };
@@ -57,21 +48,12 @@ impl Commands {
         let area = vk::Rect2D::default().extent(vk::Extent2D { width, height });
         let attachments: Vec<_> = colors.iter().map(color_attachment).collect();
         let depth_attachment = depth.as_ref().map(depth_attachment);
-        let mut info = vk::RenderingInfo::default()
-            .render_area(area)
-            .layer_count(1)
-            .color_attachments(&attachments);
+        let mut info = vk::RenderingInfo::default().render_area(area).layer_count(1).color_attachments(&attachments);
         if let Some(attachment) = &depth_attachment {
             info = info.depth_attachment(attachment);
         }
-        let viewport = vk::Viewport {
-            x: 0.0,
-            y: 0.0,
-            width: width as f32,
-            height: height as f32,
-            min_depth: 0.0,
-            max_depth: 1.0,
-        };
+        let viewport =
+            vk::Viewport { x: 0.0, y: 0.0, width: width as f32, height: height as f32, min_depth: 0.0, max_depth: 1.0 };
         let device = self.context.device();
         // SAFETY: the commands are recording outside rendering; the views are kept below.
         unsafe {
@@ -104,11 +86,7 @@ impl Commands {
     pub fn draw(&mut self, vertices: u32, instances: u32) -> Result<()> {
         let commands = self.drawing()?;
         // SAFETY: the commands are rendering, and a graphics pipeline with its resources is bound.
-        unsafe {
-            self.context
-                .device()
-                .cmd_draw(commands, vertices, instances, 0, 0)
-        };
+        unsafe { self.context.device().cmd_draw(commands, vertices, instances, 0, 0) };
         Ok(())
     }
 
@@ -116,20 +94,15 @@ impl Commands {
     ///
     /// # Errors
     /// Not rendering, no graphics pipeline, buffers not created for this, or an offset past the end.
-    pub fn draw_indexed_indirect(
-        &mut self,
-        indices: &Buffer,
-        arguments: &Buffer,
-        offset: u64,
-    ) -> Result<()> {
+    pub fn draw_indexed_indirect(&mut self, indices: &Buffer, arguments: &Buffer, offset: u64) -> Result<()> {
         let commands = self.drawing()?;
         arguments.raw.check_range(offset, DRAW_BYTES)?;
         let indexed = indices.raw.usage.contains(Usage::INDEX_BUFFER);
         let indirect = arguments.raw.usage.contains(Usage::INDIRECT_BUFFER);
         if !indexed || !indirect || !offset.is_multiple_of(4) {
-            return Err(self.misuse(
-                "draw_indexed_indirect needs an INDEX_BUFFER, an INDIRECT_BUFFER and an offset of whole words",
-            ));
+            return Err(
+                self.misuse("draw_indexed_indirect needs an INDEX_BUFFER, an INDIRECT_BUFFER and an offset of whole words")
+            );
         }
         self.keep(indices);
         self.keep(arguments);
@@ -157,35 +130,19 @@ impl Commands {
 }
 
 fn color_attachment<'a>(target: &ColorTarget<'a>) -> vk::RenderingAttachmentInfo<'a> {
-    let color = vk::ClearColorValue {
-        float32: target.clear.unwrap_or_default(),
-    };
+    let color = vk::ClearColorValue { float32: target.clear.unwrap_or_default() };
     let clear = vk::ClearValue { color };
-    attachment(
-        target.view,
-        Access::ColorTarget,
-        target.clear.map(|_| clear),
-    )
+    attachment(target.view, Access::ColorTarget, target.clear.map(|_| clear))
 }
 
 fn depth_attachment<'a>(target: &DepthTarget<'a>) -> vk::RenderingAttachmentInfo<'a> {
-    let clear = |depth| vk::ClearValue {
-        depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 },
-    };
+    let clear = |depth| vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth, stencil: 0 } };
     attachment(target.view, Access::DepthTarget, target.clear.map(clear))
 }
 
-fn attachment<'a>(
-    view: &'a ImageView,
-    access: Access,
-    clear: Option<vk::ClearValue>,
-) -> vk::RenderingAttachmentInfo<'a> {
+fn attachment<'a>(view: &'a ImageView, access: Access, clear: Option<vk::ClearValue>) -> vk::RenderingAttachmentInfo<'a> {
     let (_, _, layout) = access.parts();
-    let load = if clear.is_some() {
-        vk::AttachmentLoadOp::CLEAR
-    } else {
-        vk::AttachmentLoadOp::LOAD
-    };
+    let load = if clear.is_some() { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
     vk::RenderingAttachmentInfo::default()
         .image_view(view.raw.handle)
         .image_layout(layout)

@@ -20,11 +20,7 @@ pub struct SamplerDescription {
 
 impl Default for SamplerDescription {
     fn default() -> Self {
-        Self {
-            filter: vk::Filter::LINEAR,
-            address: vk::SamplerAddressMode::CLAMP_TO_EDGE,
-            anisotropy: 1.0,
-        }
+        Self { filter: vk::Filter::LINEAR, address: vk::SamplerAddressMode::CLAMP_TO_EDGE, anisotropy: 1.0 }
     }
 }
 
@@ -44,22 +40,10 @@ impl Sampler {
     ///
     /// # Errors
     /// Out of memory.
-    pub fn new(
-        context: &Arc<Context>,
-        name: &str,
-        description: &SamplerDescription,
-    ) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, name: &str, description: &SamplerDescription) -> Result<Self> {
         let linear = description.filter == vk::Filter::LINEAR;
-        let mipmap = if linear {
-            vk::SamplerMipmapMode::LINEAR
-        } else {
-            vk::SamplerMipmapMode::NEAREST
-        };
-        let most = if context.extras().anisotropy {
-            context.limits().max_sampler_anisotropy
-        } else {
-            1.0
-        };
+        let mipmap = if linear { vk::SamplerMipmapMode::LINEAR } else { vk::SamplerMipmapMode::NEAREST };
+        let most = if context.extras().anisotropy { context.limits().max_sampler_anisotropy } else { 1.0 };
         let anisotropy = description.anisotropy.clamp(1.0, most);
         let info = vk::SamplerCreateInfo::default()
             .mag_filter(description.filter)
@@ -72,15 +56,9 @@ impl Sampler {
             .max_anisotropy(anisotropy)
             .max_lod(vk::LOD_CLAMP_NONE);
         // SAFETY: the device is alive and the values within its limits.
-        let handle = unsafe { context.device().create_sampler(&info, None) }
-            .map_err(api("vkCreateSampler"))?;
+        let handle = unsafe { context.device().create_sampler(&info, None) }.map_err(api("vkCreateSampler"))?;
         context.set_name(handle, name);
-        Ok(Self {
-            raw: Arc::new(RawSampler {
-                context: context.clone(),
-                handle,
-            }),
-        })
+        Ok(Self { raw: Arc::new(RawSampler { context: context.clone(), handle }) })
     }
 }
 

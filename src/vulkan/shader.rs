@@ -24,8 +24,7 @@ impl<'a> Module<'a> {
     pub(crate) fn new(context: &'a Context, shader: &Shader<'_>) -> Result<Self> {
         let info = vk::ShaderModuleCreateInfo::default().code(shader.words);
         // SAFETY: the words outlive the call; reflection has already checked that they are SPIR-V.
-        let handle = unsafe { context.device().create_shader_module(&info, None) }
-            .map_err(api("vkCreateShaderModule"))?;
+        let handle = unsafe { context.device().create_shader_module(&info, None) }.map_err(api("vkCreateShaderModule"))?;
         context.set_name(handle, shader.name);
         Ok(Self { context, handle })
     }
@@ -34,10 +33,6 @@ impl<'a> Module<'a> {
 impl Drop for Module<'_> {
     fn drop(&mut self) {
         // SAFETY: pipelines do not need their modules once built.
-        unsafe {
-            self.context
-                .device()
-                .destroy_shader_module(self.handle, None)
-        };
+        unsafe { self.context.device().destroy_shader_module(self.handle, None) };
     }
 }

@@ -26,25 +26,17 @@ impl Surface {
     /// The instance extensions that surfaces for `window` need.
     pub(crate) fn extensions(window: &impl Window) -> Result<&'static [*const c_char]> {
         let display = window.display_handle().map_err(handle_error)?;
-        ash_window::enumerate_required_extensions(display.as_raw())
-            .map_err(api("enumerating the extensions for a window"))
+        ash_window::enumerate_required_extensions(display.as_raw()).map_err(api("enumerating the extensions for a window"))
     }
 
     pub(crate) fn new<W: Window>(instance: Arc<Instance>, window: Arc<W>) -> Result<Self> {
         let display = window.display_handle().map_err(handle_error)?.as_raw();
         let raw = window.window_handle().map_err(handle_error)?.as_raw();
         // SAFETY: the extensions for this display are enabled; the window is kept alive longer than the surface.
-        let handle = unsafe {
-            ash_window::create_surface(&instance.entry, &instance.handle, display, raw, None)
-        }
-        .map_err(api("creating a surface"))?;
+        let handle = unsafe { ash_window::create_surface(&instance.entry, &instance.handle, display, raw, None) }
+            .map_err(api("creating a surface"))?;
         let functions = khr::surface::Instance::new(&instance.entry, &instance.handle);
-        Ok(Self {
-            handle,
-            functions,
-            _window: Some(window),
-            _instance: instance,
-        })
+        Ok(Self { handle, functions, _window: Some(window), _instance: instance })
     }
 
     /// A surface that shows nothing, for tests of the swapchain.
@@ -53,15 +45,9 @@ impl Surface {
         let creator = ash::ext::headless_surface::Instance::new(&instance.entry, &instance.handle);
         let info = vk::HeadlessSurfaceCreateInfoEXT::default();
         // SAFETY: the instance was created with the extension.
-        let handle = unsafe { creator.create_headless_surface(&info, None) }
-            .map_err(api("vkCreateHeadlessSurfaceEXT"))?;
+        let handle = unsafe { creator.create_headless_surface(&info, None) }.map_err(api("vkCreateHeadlessSurfaceEXT"))?;
         let functions = khr::surface::Instance::new(&instance.entry, &instance.handle);
-        Ok(Self {
-            handle,
-            functions,
-            _window: None,
-            _instance: instance,
-        })
+        Ok(Self { handle, functions, _window: None, _instance: instance })
     }
 }
 
@@ -73,8 +59,5 @@ impl Drop for Surface {
 }
 
 fn handle_error(error: HandleError) -> VulkanError {
-    VulkanError::Access {
-        what: "window".to_owned(),
-        problem: error.to_string(),
-    }
+    VulkanError::Access { what: "window".to_owned(), problem: error.to_string() }
 }

@@ -64,20 +64,12 @@ impl Swapchain {
     ///
     /// # Errors
     /// Out of memory, or a surface without a format of 8-bit RGBA or BGRA.
-    pub fn new(
-        context: &Arc<Context>,
-        surface: Surface,
-        size: (u32, u32),
-        mailbox: bool,
-    ) -> Result<Self> {
+    pub fn new(context: &Arc<Context>, surface: Surface, size: (u32, u32), mailbox: bool) -> Result<Self> {
         let format = choose_format(context, &surface)?;
         let instance = &context.instance().handle;
         let slot = |name| -> Result<Slot> {
             let commands = Some(Commands::new(context, name)?);
-            Ok(Slot {
-                commands,
-                acquired: Semaphore::new(context)?,
-            })
+            Ok(Slot { commands, acquired: Semaphore::new(context)? })
         };
         let mut swapchain = Self {
             context: context.clone(),
@@ -103,9 +95,7 @@ impl Swapchain {
 
     /// Width and height of the images; (0, 0) while there are none.
     pub fn size(&self) -> (u32, u32) {
-        self.images
-            .first()
-            .map_or((0, 0), |target| target.view.size())
+        self.images.first().map_or((0, 0), |target| target.view.size())
     }
 
     /// Tells the window's new size; the next frame has it.
@@ -125,11 +115,7 @@ impl Swapchain {
             return Err(self.not_presented());
         };
         // Also makes the semaphore `acquired` free again.
-        let timestamps = if commands.is_pending() {
-            Some(commands.wait()?)
-        } else {
-            None
-        };
+        let timestamps = if commands.is_pending() { Some(commands.wait()?) } else { None };
         if self.outdated {
             self.recreate()?;
         }
@@ -145,13 +131,7 @@ impl Swapchain {
         commands.begin()?;
         let target = self.images[image as usize].view.clone();
         self.next = (slot + 1) % FRAMES_IN_FLIGHT;
-        Ok(Some(Frame {
-            commands,
-            target,
-            timestamps,
-            image,
-            slot,
-        }))
+        Ok(Some(Frame { commands, target, timestamps, image, slot }))
     }
 
     /// Submits a frame and shows it.
@@ -159,27 +139,15 @@ impl Swapchain {
     /// # Errors
     /// Device loss, or a window that is gone.
     pub fn present(&mut self, frame: Frame) -> Result<()> {
-        let Frame {
-            mut commands,
-            image,
-            slot,
-            ..
-        } = frame;
+        let Frame { mut commands, image, slot, .. } = frame;
         // Other stages, culling above all, need not wait for the screen.
-        let stages = vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT
-            | vk::PipelineStageFlags2::ALL_TRANSFER;
+        let stages = vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT | vk::PipelineStageFlags2::ALL_TRANSFER;
         let drawn = self.images[image as usize].drawn.handle;
-        let submission = Submission {
-            wait: Some((self.slots[slot].acquired.handle, stages)),
-            signal: Some(drawn),
-        };
+        let submission = Submission { wait: Some((self.slots[slot].acquired.handle, stages)), signal: Some(drawn) };
         commands.submit(&submission)?;
         self.slots[slot].commands = Some(commands);
         let (waits, swapchains, indices) = ([drawn], [self.handle], [image]);
-        let info = vk::PresentInfoKHR::default()
-            .wait_semaphores(&waits)
-            .swapchains(&swapchains)
-            .image_indices(&indices);
+        let info = vk::PresentInfoKHR::default().wait_semaphores(&waits).swapchains(&swapchains).image_indices(&indices);
         let presented = {
             let queue = self.context.queue();
             // SAFETY: the image was acquired, the queue is locked, the semaphore will be signalled.
@@ -197,10 +165,7 @@ impl Swapchain {
         let semaphore = self.slots[slot].acquired.handle;
         let limit = ACQUIRE_LIMIT.as_nanos() as u64;
         // SAFETY: the swapchain is alive; nothing waits for the semaphore any more.
-        let acquired = unsafe {
-            self.functions
-                .acquire_next_image(self.handle, limit, semaphore, vk::Fence::null())
-        };
+        let acquired = unsafe { self.functions.acquire_next_image(self.handle, limit, semaphore, vk::Fence::null()) };
         match acquired {
             Ok((image, suboptimal)) => {
                 self.outdated |= suboptimal;
@@ -220,20 +185,12 @@ impl Swapchain {
         self.context.wait_idle()?;
         let gpu = self.context.gpu().handle;
         // SAFETY: device and surface belong to the same instance.
-        let can = unsafe {
-            self.surface
-                .functions
-                .get_physical_device_surface_capabilities(gpu, self.surface.handle)
-        }
-        .map_err(api("vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))?;
+        let can = unsafe { self.surface.functions.get_physical_device_surface_capabilities(gpu, self.surface.handle) }
+            .map_err(api("vkGetPhysicalDeviceSurfaceCapabilitiesKHR"))?;
         let extent = choose_extent(&can, self.size);
         self.images.clear();
         let old = std::mem::replace(&mut self.handle, vk::SwapchainKHR::null());
-        let created = if extent.width > 0 && extent.height > 0 {
-            self.create(&can, extent, old)
-        } else {
-            Ok(())
-        };
+        let created = if extent.width > 0 && extent.height > 0 { self.create(&can, extent, old) } else { Ok(()) };
         // SAFETY: the device is idle and the views of its images are gone; a null handle is ignored.
         unsafe { self.functions.destroy_swapchain(old, None) };
         created?;
@@ -241,17 +198,8 @@ impl Swapchain {
         Ok(())
     }
 
-    fn create(
-        &mut self,
-        can: &vk::SurfaceCapabilitiesKHR,
-        extent: vk::Extent2D,
-        old: vk::SwapchainKHR,
-    ) -> Result<()> {
-        let most = if can.max_image_count == 0 {
-            u32::MAX
-        } else {
-            can.max_image_count
-        };
+    fn create(&mut self, can: &vk::SurfaceCapabilitiesKHR, extent: vk::Extent2D, old: vk::SwapchainKHR) -> Result<()> {
+        let most = if can.max_image_count == 0 { u32::MAX } else { can.max_image_count };
         // Copying from the images, for pictures of the window, where the driver allows it.
         let copy = vk::ImageUsageFlags::TRANSFER_SRC & can.supported_usage_flags;
         let info = vk::SwapchainCreateInfoKHR::default()
@@ -268,19 +216,14 @@ impl Swapchain {
             .clipped(true)
             .old_swapchain(old);
         // SAFETY: surface and old swapchain are alive, and the values within the surface's capabilities.
-        self.handle = unsafe { self.functions.create_swapchain(&info, None) }
-            .map_err(api("vkCreateSwapchainKHR"))?;
+        self.handle = unsafe { self.functions.create_swapchain(&info, None) }.map_err(api("vkCreateSwapchainKHR"))?;
         // SAFETY: the swapchain is alive.
-        let images = unsafe { self.functions.get_swapchain_images(self.handle) }
-            .map_err(api("vkGetSwapchainImagesKHR"))?;
+        let images = unsafe { self.functions.get_swapchain_images(self.handle) }.map_err(api("vkGetSwapchainImagesKHR"))?;
         for (index, image) in images.into_iter().enumerate() {
             let name = format!("swapchain {index}");
             let raw = RawImage::borrowed(&self.context, name, image, self.format, extent);
             let view = ImageView::new(Arc::new(raw), 0..1, 0..1, false)?;
-            self.images.push(Target {
-                view,
-                drawn: Semaphore::new(&self.context)?,
-            });
+            self.images.push(Target { view, drawn: Semaphore::new(&self.context)? });
         }
         Ok(())
     }
@@ -288,19 +231,11 @@ impl Swapchain {
     fn present_mode(&self) -> Result<vk::PresentModeKHR> {
         let gpu = self.context.gpu().handle;
         // SAFETY: device and surface belong to the same instance.
-        let modes = unsafe {
-            self.surface
-                .functions
-                .get_physical_device_surface_present_modes(gpu, self.surface.handle)
-        }
-        .map_err(api("vkGetPhysicalDeviceSurfacePresentModesKHR"))?;
+        let modes = unsafe { self.surface.functions.get_physical_device_surface_present_modes(gpu, self.surface.handle) }
+            .map_err(api("vkGetPhysicalDeviceSurfacePresentModesKHR"))?;
         let mailbox = self.mailbox && modes.contains(&vk::PresentModeKHR::MAILBOX);
         // FIFO exists everywhere.
-        Ok(if mailbox {
-            vk::PresentModeKHR::MAILBOX
-        } else {
-            vk::PresentModeKHR::FIFO
-        })
+        Ok(if mailbox { vk::PresentModeKHR::MAILBOX } else { vk::PresentModeKHR::FIFO })
     }
 
     fn not_presented(&self) -> VulkanError {
@@ -330,12 +265,8 @@ impl Semaphore {
     fn new(context: &Arc<Context>) -> Result<Self> {
         let info = vk::SemaphoreCreateInfo::default();
         // SAFETY: the device is alive.
-        let handle = unsafe { context.device().create_semaphore(&info, None) }
-            .map_err(api("vkCreateSemaphore"))?;
-        Ok(Self {
-            context: context.clone(),
-            handle,
-        })
+        let handle = unsafe { context.device().create_semaphore(&info, None) }.map_err(api("vkCreateSemaphore"))?;
+        Ok(Self { context: context.clone(), handle })
     }
 }
 
@@ -349,19 +280,11 @@ impl Drop for Semaphore {
 fn choose_format(context: &Context, surface: &Surface) -> Result<vk::Format> {
     let gpu = context.gpu().handle;
     // SAFETY: device and surface belong to the same instance.
-    let formats = unsafe {
-        surface
-            .functions
-            .get_physical_device_surface_formats(gpu, surface.handle)
-    }
-    .map_err(api("vkGetPhysicalDeviceSurfaceFormatsKHR"))?;
+    let formats = unsafe { surface.functions.get_physical_device_surface_formats(gpu, surface.handle) }
+        .map_err(api("vkGetPhysicalDeviceSurfaceFormatsKHR"))?;
     let wanted = [vk::Format::B8G8R8A8_UNORM, vk::Format::R8G8B8A8_UNORM];
     let srgb = vk::ColorSpaceKHR::SRGB_NONLINEAR;
-    let found = wanted.into_iter().find(|want| {
-        formats
-            .iter()
-            .any(|f| f.format == *want && f.color_space == srgb)
-    });
+    let found = wanted.into_iter().find(|want| formats.iter().any(|f| f.format == *want && f.color_space == srgb));
     found.ok_or_else(|| VulkanError::Access {
         what: "window".to_owned(),
         problem: "it has no format of 8-bit RGBA or BGRA".to_owned(),
@@ -377,10 +300,7 @@ fn choose_extent(can: &vk::SurfaceCapabilitiesKHR, size: (u32, u32)) -> vk::Exte
         return vk::Extent2D::default();
     }
     let (least, most) = (can.min_image_extent, can.max_image_extent);
-    vk::Extent2D {
-        width: size.0.clamp(least.width, most.width),
-        height: size.1.clamp(least.height, most.height),
-    }
+    vk::Extent2D { width: size.0.clamp(least.width, most.width), height: size.1.clamp(least.height, most.height) }
 }
 
 fn choose_alpha(can: &vk::SurfaceCapabilitiesKHR) -> vk::CompositeAlphaFlagsKHR {

@@ -52,21 +52,13 @@ impl Access {
             Self::IndirectRead => (S::DRAW_INDIRECT, A::INDIRECT_COMMAND_READ, L::UNDEFINED),
             Self::IndexRead => (S::INDEX_INPUT, A::INDEX_READ, L::UNDEFINED),
             Self::GraphicsRead => (graphics, read | A::UNIFORM_READ, L::GENERAL),
-            Self::Sampled => (
-                graphics | S::COMPUTE_SHADER,
-                A::SHADER_SAMPLED_READ,
-                L::SHADER_READ_ONLY_OPTIMAL,
-            ),
-            Self::ColorTarget => (
-                S::COLOR_ATTACHMENT_OUTPUT,
-                A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE,
-                L::COLOR_ATTACHMENT_OPTIMAL,
-            ),
-            Self::DepthTarget => (
-                depth,
-                A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE,
-                L::DEPTH_ATTACHMENT_OPTIMAL,
-            ),
+            Self::Sampled => (graphics | S::COMPUTE_SHADER, A::SHADER_SAMPLED_READ, L::SHADER_READ_ONLY_OPTIMAL),
+            Self::ColorTarget => {
+                (S::COLOR_ATTACHMENT_OUTPUT, A::COLOR_ATTACHMENT_READ | A::COLOR_ATTACHMENT_WRITE, L::COLOR_ATTACHMENT_OPTIMAL)
+            }
+            Self::DepthTarget => {
+                (depth, A::DEPTH_STENCIL_ATTACHMENT_READ | A::DEPTH_STENCIL_ATTACHMENT_WRITE, L::DEPTH_ATTACHMENT_OPTIMAL)
+            }
             // The semaphore that presentation waits for makes the writes visible.
             Self::Present => (S::NONE, A::NONE, L::PRESENT_SRC_KHR),
         }
@@ -75,10 +67,8 @@ impl Access {
 
 /// The union of the stages and accesses of several accesses.
 pub(crate) fn union(accesses: &[Access]) -> (S, A) {
-    accesses
-        .iter()
-        .fold((S::NONE, A::NONE), |(stages, memory), access| {
-            let (s, a, _) = access.parts();
-            (stages | s, memory | a)
-        })
+    accesses.iter().fold((S::NONE, A::NONE), |(stages, memory), access| {
+        let (s, a, _) = access.parts();
+        (stages | s, memory | a)
+    })
 }

@@ -35,11 +35,7 @@ pub struct Timestamps {
 impl Timestamps {
     /// Milliseconds of all zones of this name, if there is one.
     pub fn ms(&self, name: &str) -> Option<f64> {
-        let mut times = self
-            .zones
-            .iter()
-            .filter(|zone| zone.name == name)
-            .map(|zone| zone.ms);
+        let mut times = self.zones.iter().filter(|zone| zone.name == name).map(|zone| zone.ms);
         let first = times.next()?;
         Some(first + times.sum::<f64>())
     }
@@ -59,20 +55,11 @@ impl Queries {
     pub(crate) fn new(context: &Arc<Context>) -> Result<Self> {
         let mut pool = vk::QueryPool::null();
         if context.gpu().timestamp_bits > 0 {
-            let info = vk::QueryPoolCreateInfo::default()
-                .query_type(vk::QueryType::TIMESTAMP)
-                .query_count(2 * MAX_ZONES as u32);
+            let info = vk::QueryPoolCreateInfo::default().query_type(vk::QueryType::TIMESTAMP).query_count(2 * MAX_ZONES as u32);
             // SAFETY: the device is alive.
-            pool = unsafe { context.device().create_query_pool(&info, None) }
-                .map_err(api("vkCreateQueryPool"))?;
+            pool = unsafe { context.device().create_query_pool(&info, None) }.map_err(api("vkCreateQueryPool"))?;
         }
-        Ok(Self {
-            context: context.clone(),
-            pool,
-            zones: Vec::new(),
-            last: String::new(),
-            depth: 0,
-        })
+        Ok(Self { context: context.clone(), pool, zones: Vec::new(), last: String::new(), depth: 0 })
     }
 
     /// Forgets all zones; `commands` is recording.
@@ -83,11 +70,7 @@ impl Queries {
         if self.pool != vk::QueryPool::null() {
             let count = 2 * MAX_ZONES as u32;
             // SAFETY: the commands are recording, and earlier ones that used the pool are done.
-            unsafe {
-                self.context
-                    .device()
-                    .cmd_reset_query_pool(commands, self.pool, 0, count)
-            };
+            unsafe { self.context.device().cmd_reset_query_pool(commands, self.pool, 0, count) };
         }
     }
 
@@ -115,21 +98,13 @@ impl Queries {
     fn stamp(&self, commands: vk::CommandBuffer, query: u32) {
         let all = vk::PipelineStageFlags2::ALL_COMMANDS;
         // SAFETY: the commands are recording, and the query was reset by `reset` and is written once.
-        unsafe {
-            self.context
-                .device()
-                .cmd_write_timestamp2(commands, all, self.pool, query)
-        };
+        unsafe { self.context.device().cmd_write_timestamp2(commands, all, self.pool, query) };
     }
 
     /// The zones that have begun, as far as the device tells after a failure.
     pub(crate) fn last_begun(&self) -> String {
         let begun = self.read().ok().and_then(|values| {
-            let reached = values
-                .iter()
-                .step_by(2)
-                .take_while(|value| value[1] != 0)
-                .count();
+            let reached = values.iter().step_by(2).take_while(|value| value[1] != 0).count();
             self.zones.get(reached.checked_sub(1)?)
         });
         begun.map_or_else(|| self.last.clone(), |(name, _)| name.clone())
@@ -150,22 +125,10 @@ impl Queries {
         let zone = |((name, depth), pair): (&(String, u32), &[[u64; 2]])| {
             // The second of each pair of values says whether the timestamp was written.
             let written = pair.iter().all(|value| value[1] != 0);
-            written.then(|| Zone {
-                name: name.clone(),
-                depth: *depth,
-                ms: ms(pair),
-            })
+            written.then(|| Zone { name: name.clone(), depth: *depth, ms: ms(pair) })
         };
-        let zones = self
-            .zones
-            .iter()
-            .zip(values.chunks_exact(2))
-            .filter_map(zone)
-            .collect();
-        Ok(Timestamps {
-            zones,
-            wall_ms: wall.as_secs_f64() * 1e3,
-        })
+        let zones = self.zones.iter().zip(values.chunks_exact(2)).filter_map(zone).collect();
+        Ok(Timestamps { zones, wall_ms: wall.as_secs_f64() * 1e3 })
     }
 
     /// Value and availability of every timestamp of the zones.
@@ -176,11 +139,7 @@ impl Queries {
         }
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WITH_AVAILABILITY;
         // SAFETY: the queries exist.
-        let read = unsafe {
-            self.context
-                .device()
-                .get_query_pool_results(self.pool, 0, &mut values, flags)
-        };
+        let read = unsafe { self.context.device().get_query_pool_results(self.pool, 0, &mut values, flags) };
         match read {
             Ok(()) | Err(vk::Result::NOT_READY) => Ok(values),
             Err(result) => Err(api("vkGetQueryPoolResults")(result)),

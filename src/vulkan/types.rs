@@ -100,9 +100,7 @@ impl Module {
 
     /// Decoration of a struct member.
     pub(crate) fn member(&self, id: u32, member: u32, decoration: u32) -> Option<u32> {
-        self.member_decorations
-            .get(&(id, member, decoration))
-            .copied()
+        self.member_decorations.get(&(id, member, decoration)).copied()
     }
 
     /// Size in bytes of a type in an explicit layout, up to the end of its last member. 0 if it has none.
@@ -116,9 +114,7 @@ impl Module {
                 stride.unwrap_or_else(|| self.size(*of)) * count
             }
             Some(Type::Struct(members)) => {
-                let ends = (0u32..)
-                    .zip(members)
-                    .map(|(i, of)| self.member_end(id, i, *of));
+                let ends = (0u32..).zip(members).map(|(i, of)| self.member_end(id, i, *of));
                 ends.max().unwrap_or(0)
             }
             // Addresses.
@@ -129,10 +125,7 @@ impl Module {
 
     fn member_end(&self, id: u32, index: u32, of: u32) -> u32 {
         let start = self.member(id, index, decoration::OFFSET).unwrap_or(0);
-        let size = match (
-            self.types.get(&of),
-            self.member(id, index, decoration::MATRIX_STRIDE),
-        ) {
+        let size = match (self.types.get(&of), self.member(id, index, decoration::MATRIX_STRIDE)) {
             (Some(Type::Matrix(_, columns)), Some(stride)) => columns * stride,
             _ => self.size(of),
         };
@@ -157,11 +150,7 @@ impl Module {
                 self.composites.insert(*id, parts.to_vec());
             }
             (59, [type_id, id, class, ..]) => {
-                self.variables.push(Variable {
-                    id: *id,
-                    type_id: *type_id,
-                    class: *class,
-                });
+                self.variables.push(Variable { id: *id, type_id: *type_id, class: *class });
             }
             (71, [id, decoration, value @ ..]) => {
                 let value = value.first().copied().unwrap_or(0);
@@ -169,8 +158,7 @@ impl Module {
             }
             (72, [id, member, decoration, value @ ..]) => {
                 let value = value.first().copied().unwrap_or(0);
-                self.member_decorations
-                    .insert((*id, *member, *decoration), value);
+                self.member_decorations.insert((*id, *member, *decoration), value);
             }
             _ => self.type_instruction(opcode, words),
         }

@@ -51,12 +51,7 @@ struct Layer {
 impl Upload {
     /// Creates an empty batch that allocates `chunk_bytes` (at least) at a time.
     pub fn new(context: &Arc<Context>, chunk_bytes: u64) -> Self {
-        Self {
-            context: context.clone(),
-            chunk_bytes,
-            chunks: Vec::new(),
-            copies: Vec::new(),
-        }
+        Self { context: context.clone(), chunk_bytes, chunks: Vec::new(), copies: Vec::new() }
     }
 
     /// Bytes staged and not yet recorded.
@@ -74,12 +69,7 @@ impl Upload {
         if bytes.is_empty() {
             return Ok(());
         }
-        let target = Target::Buffer(
-            Buffer {
-                raw: target.raw.clone(),
-            },
-            offset,
-        );
+        let target = Target::Buffer(Buffer { raw: target.raw.clone() }, offset);
         self.stage(bytes, target)
     }
 
@@ -88,36 +78,16 @@ impl Upload {
     ///
     /// # Errors
     /// A layer or level that does not exist, texels of another size, or out of memory.
-    pub fn image<T: NoUninit>(
-        &mut self,
-        image: &Image,
-        layer: u32,
-        mip: u32,
-        texels: &[T],
-    ) -> Result<()> {
+    pub fn image<T: NoUninit>(&mut self, image: &Image, layer: u32, mip: u32, texels: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(texels);
         let view = image.layer_view(layer, mip)?;
         let expected = super::capture::layer_bytes(image, mip)?;
         if bytes.len() as u64 != expected {
-            let problem = format!(
-                "{} bytes of texels; level {mip} has {expected}",
-                bytes.len()
-            );
-            return Err(VulkanError::Access {
-                what: image.name().to_owned(),
-                problem,
-            });
+            let problem = format!("{} bytes of texels; level {mip} has {expected}", bytes.len());
+            return Err(VulkanError::Access { what: image.name().to_owned(), problem });
         }
         let image = image.share();
-        self.stage(
-            bytes,
-            Target::Layer(Layer {
-                image,
-                view,
-                layer,
-                mip,
-            }),
-        )
+        self.stage(bytes, Target::Layer(Layer { image, view, layer, mip }))
     }
 
     /// Records all copies, with barriers before and after; the batch is empty again. Commands recorded later see the data.
@@ -129,10 +99,7 @@ impl Upload {
             return Ok(());
         }
         let all = ash::vk::PipelineStageFlags2::ALL_COMMANDS;
-        let (write, read) = (
-            ash::vk::AccessFlags2::MEMORY_WRITE,
-            ash::vk::AccessFlags2::MEMORY_READ,
-        );
+        let (write, read) = (ash::vk::AccessFlags2::MEMORY_WRITE, ash::vk::AccessFlags2::MEMORY_READ);
         commands.memory_barrier(all, write, all, read | write)?;
         for copy in &self.copies {
             let from = (&self.chunks[copy.chunk].buffer, copy.offset);
@@ -140,12 +107,7 @@ impl Upload {
                 Target::Buffer(buffer, offset) => {
                     commands.copy_buffer(from, (buffer, *offset), copy.bytes)?;
                 }
-                Target::Layer(Layer {
-                    image,
-                    view,
-                    layer,
-                    mip,
-                }) => {
+                Target::Layer(Layer { image, view, layer, mip }) => {
                     commands.transition(view, Access::Undefined, Access::TransferWrite)?;
                     commands.copy_buffer_to_image(from, image, *layer, *mip)?;
                     commands.transition(view, Access::TransferWrite, Access::Sampled)?;
@@ -182,12 +144,7 @@ impl Upload {
         let index = self.chunks.len() - 1;
         let chunk = &mut self.chunks[index];
         chunk.buffer.write(chunk.used, data)?;
-        self.copies.push(Copy {
-            chunk: index,
-            offset: chunk.used,
-            bytes,
-            target,
-        });
+        self.copies.push(Copy { chunk: index, offset: chunk.used, bytes, target });
         chunk.used = (chunk.used + bytes).next_multiple_of(ALIGNMENT);
         Ok(())
     }

@@ -178,11 +178,7 @@ impl Octaves {
     fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
         let wavelength_m = reader.number("wavelength_m", WAVELENGTH)?;
         let detail_m = reader.number_or("detail_m", *WAVELENGTH.start()..=wavelength_m, wavelength_m.min(1.0))?;
-        Ok(Self {
-            wavelength_m,
-            detail_m,
-            gain: reader.number("gain", 0.2..=0.8)?,
-        })
+        Ok(Self { wavelength_m, detail_m, gain: reader.number("gain", 0.2..=0.8)? })
     }
 }
 
@@ -234,10 +230,7 @@ impl Hills {
 
 impl Plains {
     fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
-        Ok(Self {
-            octaves: Octaves::read(reader)?,
-            amplitude_m: reader.number("amplitude_m", METRES)?,
-        })
+        Ok(Self { octaves: Octaves::read(reader)?, amplitude_m: reader.number("amplitude_m", METRES)? })
     }
 }
 
@@ -279,12 +272,6 @@ impl Heightmap {
             Placement::Planet
         };
         let origin = (reader.line_of("file"), reader.path_of("file"));
-        Ok(Self {
-            file,
-            low_m,
-            high_m,
-            placement,
-            origin,
-        })
+        Ok(Self { file, low_m, high_m, placement, origin })
     }
 }

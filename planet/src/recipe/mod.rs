@@ -80,10 +80,7 @@ impl Recipe {
     /// If the file cannot be read, or as [`Recipe::from_toml`].
     pub fn load(path: &Path) -> Result<Self, RecipeError> {
         let file = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| RecipeError::Read {
-            file: file.as_str().into(),
-            source,
-        })?;
+        let text = std::fs::read_to_string(path).map_err(|source| RecipeError::Read { file: file.as_str().into(), source })?;
         Self::from_toml(&text, &file, path.parent().unwrap_or(Path::new("")))
     }
 
@@ -134,39 +131,16 @@ impl Recipe {
         let seed = reader.whole("seed")?;
         let sea = reader.table("sea")?.map(|r| Sea::read(&r)).transpose()?;
         let atmosphere = reader.table("atmosphere")?.map(|r| Atmosphere::read(&r)).transpose()?;
-        let layers = reader
-            .tables("layer")?
-            .iter()
-            .map(|r| Layer::read(r, radius))
-            .collect::<Result<_, _>>()?;
-        let palette = reader
-            .table("palette")?
-            .ok_or_else(|| reader.wrong("palette", 1, "nothing", "a table"))?;
+        let layers = reader.tables("layer")?.iter().map(|r| Layer::read(r, radius)).collect::<Result<_, _>>()?;
+        let palette = reader.table("palette")?.ok_or_else(|| reader.wrong("palette", 1, "nothing", "a table"))?;
         let palette = Palette::read(&palette)?;
         reader.finish()?;
         let (text, file) = (text.to_owned(), file.to_owned());
-        Ok(Self {
-            name,
-            radius,
-            seed,
-            sea,
-            atmosphere,
-            layers,
-            palette,
-            text,
-            assets: Vec::new(),
-            file,
-        })
+        Ok(Self { name, radius, seed, sea, atmosphere, layers, palette, text, assets: Vec::new(), file })
     }
 
     fn heightmaps(&self) -> Vec<Heightmap> {
-        let maps = self.layers.iter().filter_map(|l| {
-            if let Layer::Heightmap(m) = l {
-                Some(m.clone())
-            } else {
-                None
-            }
-        });
+        let maps = self.layers.iter().filter_map(|l| if let Layer::Heightmap(m) = l { Some(m.clone()) } else { None });
         maps.collect()
     }
 

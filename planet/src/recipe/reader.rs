@@ -39,13 +39,7 @@ impl<'a> Reader<'a> {
     }
 
     fn nested(source: &'a Source<'a>, path: String, line: usize, table: &'a DeTable<'a>) -> Self {
-        Self {
-            source,
-            path,
-            line,
-            table,
-            asked: RefCell::default(),
-        }
+        Self { source, path, line, table, asked: RefCell::default() }
     }
 
     /// Dotted path of a key of this table.
@@ -67,10 +61,7 @@ impl<'a> Reader<'a> {
         if !asked.contains(&key) {
             asked.push(key);
         }
-        self.table
-            .iter()
-            .find(|(k, _)| k.get_ref().as_ref() == key)
-            .map(|(_, v)| v)
+        self.table.iter().find(|(k, _)| k.get_ref().as_ref() == key).map(|(_, v)| v)
     }
 
     /// Whether the key is present.
@@ -79,8 +70,7 @@ impl<'a> Reader<'a> {
     }
 
     fn require(&self, key: &'static str, expected: &str) -> Result<&'a Spanned<DeValue<'a>>, RecipeError> {
-        self.find(key)
-            .ok_or_else(|| self.wrong(key, self.line, "nothing", expected))
+        self.find(key).ok_or_else(|| self.wrong(key, self.line, "nothing", expected))
     }
 
     /// An error about a key of this table.
@@ -95,12 +85,7 @@ impl<'a> Reader<'a> {
     }
 
     fn wrong_value(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) -> RecipeError {
-        self.wrong(
-            key,
-            self.source.line(value.span().start),
-            describe(self.source.text, value),
-            expected,
-        )
+        self.wrong(key, self.source.line(value.span().start), describe(self.source.text, value), expected)
     }
 
     /// A number within `range`.
@@ -111,12 +96,7 @@ impl<'a> Reader<'a> {
     }
 
     /// A number within `range`, or `default` where the key is missing.
-    pub(crate) fn number_or(
-        &self,
-        key: &'static str,
-        range: RangeInclusive<f64>,
-        default: f64,
-    ) -> Result<f64, RecipeError> {
+    pub(crate) fn number_or(&self, key: &'static str, range: RangeInclusive<f64>, default: f64) -> Result<f64, RecipeError> {
         if self.has(key) {
             self.number(key, range)
         } else {
@@ -127,23 +107,15 @@ impl<'a> Reader<'a> {
     /// true or false; false where the key is missing.
     pub(crate) fn flag(&self, key: &'static str) -> Result<bool, RecipeError> {
         let Some(value) = self.find(key) else { return Ok(false) };
-        value
-            .get_ref()
-            .as_bool()
-            .ok_or_else(|| self.wrong_value(key, value, "true or false"))
+        value.get_ref().as_bool().ok_or_else(|| self.wrong_value(key, value, "true or false"))
     }
 
     /// A whole number from 0 to 2^63 - 1.
     pub(crate) fn whole(&self, key: &'static str) -> Result<u64, RecipeError> {
         let expected = "a whole number from 0 to 2^63 - 1";
         let value = self.require(key, expected)?;
-        let whole = value
-            .get_ref()
-            .as_integer()
-            .and_then(|i| i64::from_str_radix(i.as_str(), i.radix()).ok());
-        whole
-            .and_then(|i| u64::try_from(i).ok())
-            .ok_or_else(|| self.wrong_value(key, value, expected))
+        let whole = value.get_ref().as_integer().and_then(|i| i64::from_str_radix(i.as_str(), i.radix()).ok());
+        whole.and_then(|i| u64::try_from(i).ok()).ok_or_else(|| self.wrong_value(key, value, expected))
     }
 
     /// A non-empty string.
@@ -156,11 +128,7 @@ impl<'a> Reader<'a> {
     }
 
     /// An array of exactly `N` numbers, each within `range`.
-    pub(crate) fn numbers<const N: usize>(
-        &self,
-        key: &'static str,
-        range: RangeInclusive<f64>,
-    ) -> Result<[f64; N], RecipeError> {
+    pub(crate) fn numbers<const N: usize>(&self, key: &'static str, range: RangeInclusive<f64>) -> Result<[f64; N], RecipeError> {
         let expected = format!("{N} values, each {}", number_in(&range));
         let value = self.require(key, &expected)?;
         fixed(value, &range).ok_or_else(|| self.wrong_value(key, value, &expected))
@@ -197,10 +165,7 @@ impl<'a> Reader<'a> {
     /// A nested table, if present.
     pub(crate) fn table(&self, key: &'static str) -> Result<Option<Reader<'a>>, RecipeError> {
         let Some(value) = self.find(key) else { return Ok(None) };
-        let table = value
-            .get_ref()
-            .as_table()
-            .ok_or_else(|| self.wrong_value(key, value, "a table"))?;
+        let table = value.get_ref().as_table().ok_or_else(|| self.wrong_value(key, value, "a table"))?;
         let line = self.source.line(value.span().start);
         Ok(Some(Self::nested(self.source, self.path_of(key), line, table)))
     }
@@ -211,22 +176,11 @@ impl<'a> Reader<'a> {
             return Ok(Vec::new());
         };
         let expected = "an array of tables";
-        let array = value
-            .get_ref()
-            .as_array()
-            .ok_or_else(|| self.wrong_value(key, value, expected))?;
+        let array = value.get_ref().as_array().ok_or_else(|| self.wrong_value(key, value, expected))?;
         let read = |(index, item): (usize, &'a Spanned<DeValue<'a>>)| {
-            let table = item
-                .get_ref()
-                .as_table()
-                .ok_or_else(|| self.wrong_value(key, item, expected))?;
+            let table = item.get_ref().as_table().ok_or_else(|| self.wrong_value(key, item, expected))?;
             let path = format!("{}[{index}]", self.path_of(key));
-            Ok(Self::nested(
-                self.source,
-                path,
-                self.source.line(item.span().start),
-                table,
-            ))
+            Ok(Self::nested(self.source, path, self.source.line(item.span().start), table))
         };
         array.iter().enumerate().map(read).collect()
     }

@@ -143,7 +143,11 @@ impl Builder<'_> {
         if self.state.kind(v) == Kind::Border {
             return self.choose_border(v);
         }
-        let ring_sides = self.ring.iter().filter(|&&r| self.state.kind(r) == Kind::Border).fold(0, |all, &r| all | self.state.rules.sides[r as usize]);
+        let ring_sides = self
+            .ring
+            .iter()
+            .filter(|&&r| self.state.kind(r) == Kind::Border)
+            .fold(0, |all, &r| all | self.state.rules.sides[r as usize]);
         let mut best: Option<Choice> = None;
         for k in 0..self.ring.len() {
             let p = self.ring[k];
@@ -180,7 +184,9 @@ impl Builder<'_> {
 
     /// Rule 3: the largest wake an interior vertex may have while these border vertices are in its ring.
     fn border_limit(&self, v: u32) -> f64 {
-        let limit = |&r: &u32| self.state.rules.low[r as usize] / PROPAGATION_MARGIN - self.state.surface.distance(v, r) * PROPAGATION_MARGIN;
+        let limit = |&r: &u32| {
+            self.state.rules.low[r as usize] / PROPAGATION_MARGIN - self.state.surface.distance(v, r) * PROPAGATION_MARGIN
+        };
         self.ring.iter().filter(|&&r| self.state.kind(r) == Kind::Border).map(limit).fold(f64::INFINITY, f64::min)
     }
 

@@ -10,13 +10,21 @@ pub const NONE: u32 = u32::MAX;
 /// The edge after `e` around its triangle.
 #[inline]
 pub fn next(e: u32) -> u32 {
-    if e % 3 == 2 { e - 2 } else { e + 1 }
+    if e % 3 == 2 {
+        e - 2
+    } else {
+        e + 1
+    }
 }
 
 /// The edge before `e` around its triangle.
 #[inline]
 pub fn previous(e: u32) -> u32 {
-    if e.is_multiple_of(3) { e + 2 } else { e - 1 }
+    if e.is_multiple_of(3) {
+        e + 2
+    } else {
+        e - 1
+    }
 }
 
 /// A manifold triangle mesh with boundary.

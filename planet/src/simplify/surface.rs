@@ -118,7 +118,11 @@ impl Surface {
         let at = |i: i32, j: i32| &self.samples[(j * row + i) as usize];
         let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1));
         let triangle = if (i + j) % 2 == 0 {
-            if area(a, d, sample) <= 0.0 { [a, b, d] } else { [a, d, c] }
+            if area(a, d, sample) <= 0.0 {
+                [a, b, d]
+            } else {
+                [a, d, c]
+            }
         } else if area(b, c, sample) >= 0.0 {
             [a, b, c]
         } else {

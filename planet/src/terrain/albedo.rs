@@ -29,23 +29,9 @@ impl Tints {
         };
         Self {
             climate: Fractal::few(mix(seed ^ 11), climate_m, 6),
-            patch: Fractal::new(
-                mix(seed ^ 12),
-                &Octaves {
-                    wavelength_m: patch_m,
-                    detail_m: 900.0_f64.min(patch_m),
-                    gain: 0.68,
-                },
-            ),
+            patch: Fractal::new(mix(seed ^ 12), &Octaves { wavelength_m: patch_m, detail_m: 900.0_f64.min(patch_m), gain: 0.68 }),
             thicket: Fractal::few(mix(seed ^ 13), 700.0, 5),
-            tuft: Fractal::new(
-                mix(seed ^ 14),
-                &Octaves {
-                    wavelength_m: 22.0,
-                    detail_m: 0.7,
-                    gain: 0.64,
-                },
-            ),
+            tuft: Fractal::new(mix(seed ^ 14), &Octaves { wavelength_m: 22.0, detail_m: 0.7, gain: 0.64 }),
             polar_sine: sin_cos(polar_deg).0,
         }
     }
@@ -60,11 +46,7 @@ struct Noises {
 }
 
 fn mixed(a: Colour, b: Colour, t: f64) -> Colour {
-    [
-        a[0] + (b[0] - a[0]) * t,
-        a[1] + (b[1] - a[1]) * t,
-        a[2] + (b[2] - a[2]) * t,
-    ]
+    [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t]
 }
 
 fn encode(colour: Colour, light: f64) -> [u8; 3] {
@@ -80,12 +62,7 @@ impl Terrain {
         assert_eq!(points.len(), albedo.len(), "one colour for each point");
         for (points, albedo) in points.chunks(LANES).zip(albedo.chunks_mut(LANES)) {
             let p = self.points(points.iter().map(|g| g.direction));
-            let mut noises = Noises {
-                climate: [0.0; LANES],
-                patch: [0.0; LANES],
-                thicket: [0.0; LANES],
-                tuft: [0.0; LANES],
-            };
+            let mut noises = Noises { climate: [0.0; LANES], patch: [0.0; LANES], thicket: [0.0; LANES], tuft: [0.0; LANES] };
             self.tints.climate.brownian(&p, &mut noises.climate);
             self.tints.patch.brownian(&p, &mut noises.patch);
             self.tints.thicket.brownian(&p, &mut noises.thicket);
@@ -112,14 +89,7 @@ impl Terrain {
         }
     }
 
-    fn paint_airless(
-        &self,
-        palette: &Airless,
-        points: &[GroundPoint],
-        p: &Points,
-        noises: &Noises,
-        albedo: &mut [[u8; 3]],
-    ) {
+    fn paint_airless(&self, palette: &Airless, points: &[GroundPoint], p: &Points, noises: &Noises, albedo: &mut [[u8; 3]]) {
         let (mut base, mut rays) = ([0.0; LANES], [0.0; LANES]);
         self.base(p, &mut base);
         for craters in self.craters() {
@@ -140,11 +110,7 @@ impl Terrain {
 fn sea_floor(palette: &Living, above: f64, patch: f64) -> Colour {
     let depth = -above * (1.0 + 0.2 * patch);
     let deep = depth / (depth + 250.0);
-    mixed(
-        mixed(palette.beach, palette.shelf, (depth / 12.0).clamp(0.0, 1.0)),
-        palette.abyss,
-        deep,
-    )
+    mixed(mixed(palette.beach, palette.shelf, (depth / 12.0).clamp(0.0, 1.0)), palette.abyss, deep)
 }
 
 /// What decides the colour of dry land, each from 0 to 1 unless noted.
@@ -189,32 +155,15 @@ impl Ground {
         let grass = mixed(palette.dry, palette.lush, self.wet);
         let meadow = mixed(grass, palette.forest, self.wooded * 0.9);
         // Clearings, worn ground and dead grass, from hundreds of metres down to tufts.
-        let meadow = mixed(
-            meadow,
-            palette.dry,
-            0.4 * smoothstep([0.1, 0.8], 0.6 * thicket + 0.7 * tuft),
-        );
-        let sand = mixed(
-            palette.desert,
-            palette.badland,
-            0.75 * smoothstep([-0.7, 1.0], 0.5 * patch + 0.7 * climate + 0.25 * thicket),
-        );
-        let soil = mixed(
-            mixed(meadow, sand, self.arid),
-            palette.tundra,
-            self.alpine * (1.0 - 0.5 * self.arid),
-        );
-        let shore = 1.0
-            - smoothstep(
-                [0.4, 1.0],
-                above / palette.beach_m.max(1e-3) + 0.25 * thicket + 0.1 * tuft,
-            );
+        let meadow = mixed(meadow, palette.dry, 0.4 * smoothstep([0.1, 0.8], 0.6 * thicket + 0.7 * tuft));
+        let sand =
+            mixed(palette.desert, palette.badland, 0.75 * smoothstep([-0.7, 1.0], 0.5 * patch + 0.7 * climate + 0.25 * thicket));
+        let soil = mixed(mixed(meadow, sand, self.arid), palette.tundra, self.alpine * (1.0 - 0.5 * self.arid));
+        let shore = 1.0 - smoothstep([0.4, 1.0], above / palette.beach_m.max(1e-3) + 0.25 * thicket + 0.1 * tuft);
         let soil = mixed(soil, palette.beach, shore);
         let rock = mixed(palette.rock, palette.badland, 0.55 * self.arid + 0.1);
         // High ground wears thin even where it is level.
-        let bare = self
-            .rocky
-            .max(self.alpine * smoothstep([0.0, 0.7], thicket + 0.6 * patch) * 0.6);
+        let bare = self.rocky.max(self.alpine * smoothstep([0.0, 0.7], thicket + 0.6 * patch) * 0.6);
         mixed(mixed(soil, rock, bare), palette.snow, self.snow)
     }
 }

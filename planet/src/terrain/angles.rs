@@ -6,10 +6,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 /// Sum of x^(2k+1) / (2k+1) with alternating signs, for |x| below 0.2.
 fn atan_small(x: f64) -> f64 {
     let x2 = x * x;
-    (0..=11)
-        .rev()
-        .fold(0.0, |sum, k: i32| 1.0 / f64::from(2 * k + 1) - x2 * sum)
-        * x
+    (0..=11).rev().fold(0.0, |sum, k: i32| 1.0 / f64::from(2 * k + 1) - x2 * sum) * x
 }
 
 /// Arc tangent, by halving the angle twice.
@@ -24,11 +21,7 @@ pub(crate) fn atan2(y: f64, x: f64) -> f64 {
     if ax == 0.0 && ay == 0.0 {
         return 0.0;
     }
-    let first = if ay <= ax {
-        atan_unit(ay / ax)
-    } else {
-        FRAC_PI_2 - atan_unit(ax / ay)
-    };
+    let first = if ay <= ax { atan_unit(ay / ax) } else { FRAC_PI_2 - atan_unit(ax / ay) };
     let half = if x < 0.0 { PI - first } else { first };
     if y < 0.0 {
         -half
@@ -43,13 +36,8 @@ pub(crate) fn sin_cos(degrees: f64) -> (f64, f64) {
     let x = (degrees - quarter * 90.0) * (PI / 180.0);
     let x2 = x * x;
     // Taylor to x^19 and x^18: below 1e-17 at 45 degrees.
-    let sine = (1..=9)
-        .rev()
-        .fold(1.0, |s, k: i32| 1.0 - s * x2 / f64::from(2 * k * (2 * k + 1)))
-        * x;
-    let cosine = (1..=9)
-        .rev()
-        .fold(1.0, |s, k: i32| 1.0 - s * x2 / f64::from(2 * k * (2 * k - 1)));
+    let sine = (1..=9).rev().fold(1.0, |s, k: i32| 1.0 - s * x2 / f64::from(2 * k * (2 * k + 1))) * x;
+    let cosine = (1..=9).rev().fold(1.0, |s, k: i32| 1.0 - s * x2 / f64::from(2 * k * (2 * k - 1)));
     match (quarter as i64).rem_euclid(4) {
         0 => (sine, cosine),
         1 => (cosine, -sine),
@@ -68,10 +56,7 @@ mod tests {
             let degrees = f64::from(i) * 0.77;
             let (s, c) = sin_cos(degrees);
             let exact = degrees.to_radians();
-            assert!(
-                (s - exact.sin()).abs() < 1e-14 && (c - exact.cos()).abs() < 1e-14,
-                "{degrees}"
-            );
+            assert!((s - exact.sin()).abs() < 1e-14 && (c - exact.cos()).abs() < 1e-14, "{degrees}");
             assert!((atan2(s, c) - s.atan2(c)).abs() < 1e-14, "{degrees}");
         }
         for (y, x) in [(0.0, 1.0), (1.0, 0.0), (0.0, -1.0), (-1.0, 0.0), (0.0, 0.0)] {

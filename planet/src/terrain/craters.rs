@@ -89,11 +89,7 @@ impl Class {
         let centre = [0, 1, 2].map(|k| at[k] - self.lattice.shift[k]);
         let off = centre[0] * centre[0] + centre[1] * centre[1] + centre[2] * centre[2] - self.shell[0];
         let site = scramble(hash ^ 0x5bd1_e995);
-        (
-            at,
-            site,
-            (off.abs() < self.shell[1]) & ((site & 0xffff) < self.threshold),
-        )
+        (at, site, (off.abs() < self.shell[1]) & ((site & 0xffff) < self.threshold))
     }
 
     /// Squared distance over squared rim radius of a crater, and the offset from its centre in cells.
@@ -236,10 +232,7 @@ impl Craters {
             diameter *= 0.5;
             density *= recipe.growth;
         }
-        Self {
-            classes,
-            recipe: recipe.clone(),
-        }
+        Self { classes, recipe: recipe.clone() }
     }
 
     pub(crate) fn add(&self, p: &Points, base: &Lane, out: &mut Lane) {
@@ -319,10 +312,7 @@ mod tests {
             class.add(&p, &[1.0; LANES], &mut wide);
             class.add_lanes(&p, &[1.0; LANES], &mut narrow);
             assert_eq!(wide, narrow);
-            assert!(
-                wide.iter().any(|&h| h != 0.0),
-                "no crater of {diameter_m} m in {spread} m"
-            );
+            assert!(wide.iter().any(|&h| h != 0.0), "no crater of {diameter_m} m in {spread} m");
             for (i, w) in wide.iter().enumerate() {
                 let place = class.lattice.place(p.x[i], p.y[i], p.z[i]);
                 let mut sum = 0.0;

@@ -24,7 +24,9 @@ pub(crate) struct Heightmap {
 
 enum Place {
     /// Mean of the first and of the last row, which the poles take (0 to 1).
-    Planet { poles: [f64; 2] },
+    Planet {
+        poles: [f64; 2],
+    },
     Local {
         centre: [f64; 3],
         right: [f64; 3],
@@ -47,58 +49,26 @@ impl Heightmap {
         let (width, height, pixels) = decode(&asset.bytes).map_err(|(found, expected)| fault(found, expected))?;
         let place = match map.placement {
             Placement::Planet if width != 2 * height => {
-                return Err(fault(
-                    format!("{width} x {height} pixels"),
-                    "a whole-planet map twice as wide as high",
-                ));
+                return Err(fault(format!("{width} x {height} pixels"), "a whole-planet map twice as wide as high"));
             }
             Placement::Planet => {
                 let mean = |row: &[u16]| row.iter().map(|&p| f64::from(p)).sum::<f64>() / (65535.0 * width as f64);
-                Place::Planet {
-                    poles: [mean(&pixels[..width]), mean(&pixels[width * (height - 1)..])],
-                }
+                Place::Planet { poles: [mean(&pixels[..width]), mean(&pixels[width * (height - 1)..])] }
             }
-            Placement::Local {
-                latitude_deg,
-                longitude_deg,
-                width_m,
-                heading_deg,
-                blend_m,
-            } => {
+            Placement::Local { latitude_deg, longitude_deg, width_m, heading_deg, blend_m } => {
                 let half_m = [0.5 * width_m, 0.5 * width_m * height as f64 / width as f64];
                 let [centre, right, up] = frame(latitude_deg, longitude_deg, heading_deg);
-                Place::Local {
-                    centre,
-                    right,
-                    up,
-                    half_m,
-                    blend_m,
-                    radius: recipe.radius,
-                }
+                Place::Local { centre, right, up, half_m, blend_m, radius: recipe.radius }
             }
         };
-        Ok(Self {
-            width,
-            height,
-            pixels,
-            low_m: map.low_m,
-            span_m: map.high_m - map.low_m,
-            place,
-        })
+        Ok(Self { width, height, pixels, low_m: map.low_m, span_m: map.high_m - map.low_m, place })
     }
 
     /// Height in metres and weight (0 to 1) at a unit direction.
     pub(crate) fn at(&self, d: [f64; 3]) -> (f64, f64) {
         let (value, weight) = match &self.place {
             Place::Planet { poles } => (self.on_planet(d, *poles), 1.0),
-            Place::Local {
-                centre,
-                right,
-                up,
-                half_m,
-                blend_m,
-                radius,
-            } => {
+            Place::Local { centre, right, up, half_m, blend_m, radius } => {
                 let ahead = dot(d, *centre);
                 if ahead <= 0.1 {
                     return (0.0, 0.0);
@@ -108,11 +78,7 @@ impl Heightmap {
                 if inside < 0.0 {
                     return (0.0, 0.0);
                 }
-                let weight = if *blend_m > 0.0 {
-                    smoothstep([0.0, *blend_m], inside)
-                } else {
-                    1.0
-                };
+                let weight = if *blend_m > 0.0 { smoothstep([0.0, *blend_m], inside) } else { 1.0 };
                 let column = (u / half_m[0] * 0.5 + 0.5) * self.width as f64 - 0.5;
                 let row = (0.5 - v / half_m[1] * 0.5) * self.height as f64 - 0.5;
                 (self.sample(column, row, false), weight)
@@ -140,11 +106,7 @@ impl Heightmap {
 
     fn pixel(&self, column: i64, row: i64, wraps: bool) -> f64 {
         let (width, height) = (self.width as i64, self.height as i64);
-        let column = if wraps {
-            column.rem_euclid(width)
-        } else {
-            column.clamp(0, width - 1)
-        };
+        let column = if wraps { column.rem_euclid(width) } else { column.clamp(0, width - 1) };
         let index = row.clamp(0, height - 1) * width + column;
         f64::from(self.pixels[index as usize]) * (1.0 / 65535.0)
     }
@@ -165,12 +127,7 @@ impl Heightmap {
 /// Catmull-Rom weights of the four pixels about a fraction.
 fn weights(t: f64) -> [f64; 4] {
     let (t2, t3) = (t * t, t * t * t);
-    [
-        0.5 * (2.0 * t2 - t - t3),
-        0.5 * (3.0 * t3 - 5.0 * t2 + 2.0),
-        0.5 * (t + 4.0 * t2 - 3.0 * t3),
-        0.5 * (t3 - t2),
-    ]
+    [0.5 * (2.0 * t2 - t - t3), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (t + 4.0 * t2 - 3.0 * t3), 0.5 * (t3 - t2)]
 }
 
 /// Centre, right and up of an image placed on the sphere.
@@ -181,11 +138,7 @@ fn frame(latitude_deg: f64, longitude_deg: f64, heading_deg: f64) -> [[f64; 3]; 
     let east = [-sin_lon, cos_lon, 0.0];
     let north = [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat];
     let turn = |a: f64, b: f64| [0, 1, 2].map(|k| a * east[k] + b * north[k]);
-    [
-        [cos_lat * cos_lon, cos_lat * sin_lon, sin_lat],
-        turn(cos_head, -sin_head),
-        turn(sin_head, cos_head),
-    ]
+    [[cos_lat * cos_lon, cos_lat * sin_lon, sin_lat], turn(cos_head, -sin_head), turn(sin_head, cos_head)]
 }
 
 type Fault = (String, &'static str);
@@ -205,9 +158,7 @@ fn decode(bytes: &[u8]) -> Result<(usize, usize, Vec<u16>), Fault> {
     if width.min(height) < 2 || width.max(height) > LARGEST_PIXELS {
         return Err((format!("{width} x {height} pixels"), "2 to 32768 pixels a side"));
     }
-    let size = reader
-        .output_buffer_size()
-        .ok_or(("an image too large for memory".to_owned(), expected))?;
+    let size = reader.output_buffer_size().ok_or(("an image too large for memory".to_owned(), expected))?;
     let mut raw = vec![0; size];
     reader.next_frame(&mut raw).map_err(damaged)?;
     let pixels = raw.chunks_exact(2).map(|b| u16::from_be_bytes([b[0], b[1]])).collect();

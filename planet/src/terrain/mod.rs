@@ -51,12 +51,7 @@ impl Terrain {
     /// If a heightmap is missing among the recipe's assets, damaged, or of the wrong depth, colour type or size.
     pub fn new(recipe: &Recipe) -> Result<Self, RecipeError> {
         let step = |(i, layer): (usize, &Layer)| Step::new(recipe, mix(recipe.seed ^ mix(i as u64 + 1)), layer);
-        let steps = recipe
-            .layers
-            .iter()
-            .enumerate()
-            .map(step)
-            .collect::<Result<Vec<_>, _>>()?;
+        let steps = recipe.layers.iter().enumerate().map(step).collect::<Result<Vec<_>, _>>()?;
         let mut terrain = Self {
             radius: recipe.radius,
             steps,
@@ -105,12 +100,7 @@ impl Terrain {
     }
 
     fn points(&self, directions: impl Iterator<Item = DVec3>) -> Points {
-        let mut p = Points {
-            x: [0.0; LANES],
-            y: [0.0; LANES],
-            z: [0.0; LANES],
-            count: 0,
-        };
+        let mut p = Points { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES], count: 0 };
         for (i, d) in directions.take(LANES).enumerate() {
             (p.x[i], p.y[i], p.z[i]) = (d.x * self.radius, d.y * self.radius, d.z * self.radius);
             p.count = i + 1;
@@ -165,9 +155,7 @@ impl Terrain {
     }
 
     fn craters(&self) -> impl Iterator<Item = &Craters> {
-        self.steps
-            .iter()
-            .filter_map(|s| if let Step::Craters(c) = s { Some(c) } else { None })
+        self.steps.iter().filter_map(|s| if let Step::Craters(c) = s { Some(c) } else { None })
     }
 
     /// Flattens the ground about sea level into beaches and shelves; monotone, and far from the sea nothing changes.

@@ -65,30 +65,13 @@ impl Lattice {
 
 /// Rotation matrix of a random quaternion (never near zero: the first component is at least 0.25).
 fn rotation(draws: [f64; 4]) -> [[f64; 3]; 3] {
-    let q = [
-        draws[0] * 0.75 + 0.25,
-        draws[1] * 2.0 - 1.0,
-        draws[2] * 2.0 - 1.0,
-        draws[3] * 2.0 - 1.0,
-    ];
+    let q = [draws[0] * 0.75 + 0.25, draws[1] * 2.0 - 1.0, draws[2] * 2.0 - 1.0, draws[3] * 2.0 - 1.0];
     let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
     let [w, x, y, z] = q.map(|c| c / length);
     [
-        [
-            1.0 - 2.0 * (y * y + z * z),
-            2.0 * (x * y - w * z),
-            2.0 * (x * z + w * y),
-        ],
-        [
-            2.0 * (x * y + w * z),
-            1.0 - 2.0 * (x * x + z * z),
-            2.0 * (y * z - w * x),
-        ],
-        [
-            2.0 * (x * z - w * y),
-            2.0 * (y * z + w * x),
-            1.0 - 2.0 * (x * x + y * y),
-        ],
+        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
+        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
+        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
     ]
 }
 
@@ -142,11 +125,7 @@ pub(crate) fn noise(lattice: &Lattice, x: f64, y: f64, z: f64) -> f64 {
     let x0 = ix.wrapping_mul(PRIMES[0]).wrapping_add(lattice.seed);
     let y0 = iy.wrapping_mul(PRIMES[1]);
     let z0 = iz.wrapping_mul(PRIMES[2]);
-    let (x1, y1, z1) = (
-        x0.wrapping_add(PRIMES[0]),
-        y0.wrapping_add(PRIMES[1]),
-        z0.wrapping_add(PRIMES[2]),
-    );
+    let (x1, y1, z1) = (x0.wrapping_add(PRIMES[0]), y0.wrapping_add(PRIMES[1]), z0.wrapping_add(PRIMES[2]));
     let (gx, gy, gz) = (fx - 1.0, fy - 1.0, fz - 1.0);
     let (u, v, w) = (fade(fx), fade(fy), fade(fz));
     let at = |hx: u32, hy: u32, hz: u32, dx: f64, dy: f64, dz: f64| slope(hx ^ hy ^ hz, dx, dy, dz);
@@ -195,12 +174,7 @@ mod tests {
 
     fn points() -> Points {
         let lane = |salt: u64| array::from_fn(|i| (unit(mix(i as u64 ^ salt)) - 0.5) * 1.2e7);
-        Points {
-            x: lane(1 << 40),
-            y: lane(2 << 40),
-            z: lane(3 << 40),
-            count: LANES,
-        }
+        Points { x: lane(1 << 40), y: lane(2 << 40), z: lane(3 << 40), count: LANES }
     }
 
     #[test]
@@ -215,11 +189,7 @@ mod tests {
 
     #[test]
     fn whole_coordinates_break_continuity() {
-        let lattice = Lattice {
-            rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]],
-            shift: [0.0; 3],
-            seed: 5,
-        };
+        let lattice = Lattice { rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3], seed: 5 };
         for i in -20..20 {
             let x = f64::from(i);
             let step = noise(&lattice, x, 0.3, 0.7) - noise(&lattice, x + 1e-9, 0.3, 0.7);

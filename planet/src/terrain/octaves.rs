@@ -21,10 +21,7 @@ impl Fractal {
         let (mut octaves, mut total) = (Vec::new(), 0.0);
         let (mut wavelength, mut amplitude) = (run.wavelength_m, 1.0);
         while wavelength >= run.detail_m {
-            octaves.push((
-                Lattice::new(mix(seed ^ mix(octaves.len() as u64)), wavelength),
-                amplitude,
-            ));
+            octaves.push((Lattice::new(mix(seed ^ mix(octaves.len() as u64)), wavelength), amplitude));
             total += amplitude;
             wavelength /= LACUNARITY;
             amplitude *= run.gain;
@@ -38,14 +35,7 @@ impl Fractal {
         for _ in 1..count {
             detail_m /= LACUNARITY;
         }
-        Self::new(
-            seed,
-            &Octaves {
-                wavelength_m,
-                detail_m,
-                gain: 0.5,
-            },
-        )
+        Self::new(seed, &Octaves { wavelength_m, detail_m, gain: 0.5 })
     }
 
     /// Sum of `shape(noise) * amplitude`.
@@ -93,10 +83,7 @@ pub(crate) struct Warp {
 impl Warp {
     pub(crate) fn new(seed: u64, wavelength_m: f64, reach_m: f64, octaves: i32) -> Option<Self> {
         let axis = |i: u64| Fractal::few(mix(seed ^ mix(900 + i)), wavelength_m, octaves);
-        (reach_m > 0.0).then(|| Self {
-            axes: [axis(0), axis(1), axis(2)],
-            reach_m,
-        })
+        (reach_m > 0.0).then(|| Self { axes: [axis(0), axis(1), axis(2)], reach_m })
     }
 
     pub(crate) fn apply(&self, p: &Points) -> Points {

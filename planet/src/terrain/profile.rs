@@ -20,27 +20,16 @@ struct Piece {
 impl Profile {
     /// From `[x, y]` pairs, x rising, y never falling.
     pub(crate) fn new(pairs: &[[f64; 2]]) -> Self {
-        let secants: Vec<f64> = pairs
-            .windows(2)
-            .map(|w| (w[1][1] - w[0][1]) / (w[1][0] - w[0][0]))
-            .collect();
+        let secants: Vec<f64> = pairs.windows(2).map(|w| (w[1][1] - w[0][1]) / (w[1][0] - w[0][0])).collect();
         let slope = |i: usize| match (i.checked_sub(1).and_then(|j| secants.get(j)), secants.get(i)) {
             (Some(&a), Some(&b)) if a > 0.0 && b > 0.0 => 2.0 * a * b / (a + b),
             _ => 0.0,
         };
         let piece = |(i, w): (usize, &[[f64; 2]])| {
             let width = w[1][0] - w[0][0];
-            Piece {
-                from: w[0][0],
-                width,
-                rise: w[1][1] - w[0][1],
-                slopes: [slope(i) * width, slope(i + 1) * width],
-            }
+            Piece { from: w[0][0], width, rise: w[1][1] - w[0][1], slopes: [slope(i) * width, slope(i + 1) * width] }
         };
-        Self {
-            pieces: pairs.windows(2).enumerate().map(piece).collect(),
-            start: pairs[0][1],
-        }
+        Self { pieces: pairs.windows(2).enumerate().map(piece).collect(), start: pairs[0][1] }
     }
 
     /// The curve at `x`: the sum of what each piece has risen by then, so that there is nothing to search.
@@ -65,14 +54,7 @@ mod tests {
 
     #[test]
     fn curve_overshoots_or_misses_its_points() {
-        let pairs = [
-            [-1.0, -4000.0],
-            [-0.2, -3900.0],
-            [-0.1, -100.0],
-            [0.0, 0.0],
-            [0.5, 0.0],
-            [1.0, 900.0],
-        ];
+        let pairs = [[-1.0, -4000.0], [-0.2, -3900.0], [-0.1, -100.0], [0.0, 0.0], [0.5, 0.0], [1.0, 900.0]];
         let profile = Profile::new(&pairs);
         for [x, y] in pairs {
             assert!((profile.at(x) - y).abs() < 1e-9, "{x}");

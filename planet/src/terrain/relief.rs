@@ -54,11 +54,7 @@ impl Continents {
 
     pub(crate) fn range(&self) -> (f64, f64) {
         let (low, high) = self.profile.range();
-        let crest = if low < RIDGE_FADE_M[1] {
-            RIDGE_FADE_M[1] + self.ridge_m
-        } else {
-            high
-        };
+        let crest = if low < RIDGE_FADE_M[1] { RIDGE_FADE_M[1] + self.ridge_m } else { high };
         (low, high.max(crest.min(high + self.ridge_m)))
     }
 }
@@ -131,11 +127,7 @@ pub(crate) struct Hills {
 impl Hills {
     pub(crate) fn new(seed: u64, recipe: &recipe::Hills) -> Self {
         let middle = 0.7 - 1.4 * recipe.cover;
-        let edges = if recipe.cover >= 1.0 {
-            [-9.0, -8.0]
-        } else {
-            [middle - 0.2, middle + 0.2]
-        };
+        let edges = if recipe.cover >= 1.0 { [-9.0, -8.0] } else { [middle - 0.2, middle + 0.2] };
         Self {
             fractal: Fractal::new(seed, &recipe.octaves),
             regions: Fractal::few(mix(seed ^ 1), recipe.region_m, 3),
@@ -159,8 +151,7 @@ impl Hills {
         }
         let round = self.recipe.roundness;
         let plain = 1.0 - round.abs();
-        self.fractal
-            .sum(p, &mut value, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);
+        self.fractal.sum(p, &mut value, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);
         for i in 0..p.count.min(LANES) {
             out[i] += self.recipe.amplitude_m * mask[i] * value[i];
         }
@@ -180,10 +171,7 @@ pub(crate) struct Plains {
 
 impl Plains {
     pub(crate) fn new(seed: u64, recipe: &recipe::Plains) -> Self {
-        Self {
-            fractal: Fractal::new(seed, &recipe.octaves),
-            amplitude_m: recipe.amplitude_m,
-        }
+        Self { fractal: Fractal::new(seed, &recipe.octaves), amplitude_m: recipe.amplitude_m }
     }
 
     pub(crate) fn add(&self, p: &Points, out: &mut Lane) {

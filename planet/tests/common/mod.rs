@@ -13,7 +13,10 @@ pub(crate) struct TestField {
 }
 
 fn hash(cell: IVec3, seed: u32) -> f64 {
-    let mut h = (cell.x as u32).wrapping_mul(0x8da6_b343) ^ (cell.y as u32).wrapping_mul(0xd816_3841) ^ (cell.z as u32).wrapping_mul(0xcb1a_b31f) ^ seed;
+    let mut h = (cell.x as u32).wrapping_mul(0x8da6_b343)
+        ^ (cell.y as u32).wrapping_mul(0xd816_3841)
+        ^ (cell.z as u32).wrapping_mul(0xcb1a_b31f)
+        ^ seed;
     h ^= h >> 13;
     h = h.wrapping_mul(0x85eb_ca6b);
     h ^= h >> 16;

@@ -4,10 +4,7 @@ use std::sync::Arc;
 
 use super::device;
 use crate::shaders::test::BALLOT_COMP;
-use crate::vulkan::{
-    Access, Buffer, Commands, ComputePipeline, Context, Memory, Resource, Result, Upload, Usage,
-    VulkanError,
-};
+use crate::vulkan::{Access, Buffer, Commands, ComputePipeline, Context, Memory, Resource, Result, Upload, Usage, VulkanError};
 
 /// The push constants: address (low word first) and length of the table.
 fn push(table: &Buffer, count: u32) -> [u32; 3] {
@@ -23,9 +20,7 @@ struct Count {
 
 impl Count {
     fn new(context: &Arc<Context>, values: u32) -> Self {
-        let numbers: Vec<u32> = (0..values)
-            .map(|i| i.wrapping_mul(2_654_435_761) >> 7)
-            .collect();
+        let numbers: Vec<u32> = (0..values).map(|i| i.wrapping_mul(2_654_435_761) >> 7).collect();
         let storage = Usage::STORAGE_BUFFER;
         let bytes = u64::from(values) * 4;
         let table = Buffer::new(context, "table", bytes, storage, Memory::Device).unwrap();
@@ -33,11 +28,7 @@ impl Count {
         let mut upload = Upload::new(context, 1 << 16);
         upload.buffer(&table, 0, &numbers).unwrap();
         upload.finish().unwrap();
-        Self {
-            table,
-            counts,
-            values,
-        }
+        Self { table, counts, values }
     }
 
     fn record(&self, commands: &mut Commands, pipeline: &ComputePipeline) -> Result<()> {
@@ -46,9 +37,7 @@ impl Count {
         commands.bind(pipeline, &[("counts", Resource::Storage(&self.counts))])?;
         commands.keep(&self.table);
         commands.push_constants(&push(&self.table, self.values))?;
-        commands.zone("count", |c| {
-            c.dispatch_rows(pipeline.workgroups(self.values))
-        })
+        commands.zone("count", |c| c.dispatch_rows(pipeline.workgroups(self.values)))
     }
 
     fn expected(&self) -> Vec<u32> {
@@ -71,11 +60,7 @@ fn ballots_over_a_table_read_by_address_count_right() {
         let times = commands.submit_and_wait().unwrap();
         assert_eq!(count.counts.read::<u32>(0, 2).unwrap(), count.expected());
         let ms = times.ms("count").unwrap();
-        assert!(
-            ms > 0.0 && ms < times.wall_ms,
-            "{ms} ms on the GPU, {} in all",
-            times.wall_ms
-        );
+        assert!(ms > 0.0 && ms < times.wall_ms, "{ms} ms on the GPU, {} in all", times.wall_ms);
     }
 }
 
@@ -85,10 +70,7 @@ fn more_workgroups_than_one_dimension_holds_all_run() {
     let pipeline = ComputePipeline::new(&context, &BALLOT_COMP, &[(0, 8)]).unwrap();
     let count = Count::new(&context, 70_000 * 8 - 3);
     assert!(pipeline.workgroups(count.values) > 65_535);
-    Commands::once(&context, "rows", |commands| {
-        count.record(commands, &pipeline)
-    })
-    .unwrap();
+    Commands::once(&context, "rows", |commands| count.record(commands, &pipeline)).unwrap();
     assert_eq!(count.counts.read::<u32>(0, 2).unwrap(), count.expected());
 }
 
@@ -106,21 +88,11 @@ fn zones_nest_and_add_up() {
         })
     })
     .unwrap();
-    let names: Vec<_> = times
-        .zones
-        .iter()
-        .map(|z| (z.name.as_str(), z.depth))
-        .collect();
-    assert_eq!(
-        names,
-        [("frame", 0), ("empty", 1), ("count", 1), ("count", 1)]
-    );
+    let names: Vec<_> = times.zones.iter().map(|z| (z.name.as_str(), z.depth)).collect();
+    assert_eq!(names, [("frame", 0), ("empty", 1), ("count", 1), ("count", 1)]);
     let ms = |name| times.ms(name).unwrap();
     // A timestamp that slips past its dispatch would give the time to the wrong zone.
-    assert!(
-        ms("empty") < ms("count") && ms("count") <= ms("frame"),
-        "{times:?}"
-    );
+    assert!(ms("empty") < ms("count") && ms("count") <= ms("frame"), "{times:?}");
 }
 
 #[test]
@@ -134,31 +106,16 @@ fn wrong_bindings_are_errors() {
     let good = ("counts", Resource::Storage(&buffer));
     let cases: &[Case<'_>] = &[
         ("missing", &[], "no resource was given"),
-        (
-            "unknown",
-            &[good, ("count", Resource::Storage(&buffer))],
-            "there is none",
-        ),
-        (
-            "kind",
-            &[("counts", Resource::Uniform(&buffer))],
-            "takes Storage",
-        ),
+        ("unknown", &[good, ("count", Resource::Storage(&buffer))], "there is none"),
+        ("kind", &[("counts", Resource::Uniform(&buffer))], "takes Storage"),
         ("twice", &[good, good], "twice"),
-        (
-            "usage",
-            &[("counts", Resource::Storage(&plain))],
-            "was not created for",
-        ),
+        ("usage", &[("counts", Resource::Storage(&plain))], "was not created for"),
     ];
     let mut commands = Commands::new(&context, "wrong").unwrap();
     commands.begin().unwrap();
     for (case, resources, text) in cases {
         let error = commands.bind(&pipeline, resources).unwrap_err();
-        assert!(
-            matches!(error, VulkanError::Binding { .. }),
-            "{case}: {error:?}"
-        );
+        assert!(matches!(error, VulkanError::Binding { .. }), "{case}: {error:?}");
         assert!(error.to_string().contains(text), "{case}: {error}");
     }
     commands.bind(&pipeline, &[good]).unwrap();
@@ -179,9 +136,7 @@ fn commands_in_the_wrong_order_are_errors() {
     assert!(commands.draw(3, 1).is_err(), "not rendering");
     assert!(commands.dispatch(70_000, 1, 1).is_err());
     let count = Count::new(&context, 100);
-    commands
-        .bind(&pipeline, &[("counts", Resource::Storage(&count.counts))])
-        .unwrap();
+    commands.bind(&pipeline, &[("counts", Resource::Storage(&count.counts))]).unwrap();
     let most = context.limits().max_compute_work_group_count[0];
     if most < u32::MAX {
         let error = commands.dispatch(most + 1, 1, 1).unwrap_err();

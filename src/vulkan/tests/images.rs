@@ -3,19 +3,14 @@
 use super::device;
 use crate::shaders::test::SQUARE_COMP;
 use crate::vulkan::{
-    capture, vk, Access, Commands, ComputePipeline, Image, ImageDescription, Resource, Sampler,
-    SamplerDescription, Upload,
+    capture, vk, Access, Commands, ComputePipeline, Image, ImageDescription, Resource, Sampler, SamplerDescription, Upload,
 };
 
 #[test]
 fn every_layer_and_level_comes_back_as_it_was_uploaded() {
     let Some(context) = device() else { return };
     let sampled = vk::ImageUsageFlags::SAMPLED;
-    let formats = [
-        (vk::Format::R8G8B8A8_UNORM, 4),
-        (vk::Format::R16G16B16A16_SFLOAT, 8),
-        (vk::Format::R32_SFLOAT, 4),
-    ];
+    let formats = [(vk::Format::R8G8B8A8_UNORM, 4), (vk::Format::R16G16B16A16_SFLOAT, 8), (vk::Format::R32_SFLOAT, 4)];
     for (format, texel) in formats {
         let mut description = ImageDescription::new("layers", (12, 10), format, sampled);
         (description.layers, description.mips) = (3, 4);
@@ -28,24 +23,16 @@ fn every_layer_and_level_comes_back_as_it_was_uploaded() {
             let (width, height) = image.mip_size(mip);
             let bytes = width * height * texel;
             // Small bytes: no signalling NaN that a conversion might quieten.
-            (0..bytes)
-                .map(|i| ((i * 7 + layer * 31 + mip * 13) % 61) as u8)
-                .collect()
+            (0..bytes).map(|i| ((i * 7 + layer * 31 + mip * 13) % 61) as u8).collect()
         };
         for (layer, mip) in parts() {
-            upload
-                .image(&image, layer, mip, &texels(layer, mip))
-                .unwrap();
+            upload.image(&image, layer, mip, &texels(layer, mip)).unwrap();
         }
         upload.finish().unwrap();
         assert_eq!(upload.staged_bytes(), 0);
         for (layer, mip) in parts() {
             let captured = capture(&context, &image, (layer, mip), Access::Sampled).unwrap();
-            assert_eq!(
-                captured.bytes,
-                texels(layer, mip),
-                "{format:?} {layer} {mip}"
-            );
+            assert_eq!(captured.bytes, texels(layer, mip), "{format:?} {layer} {mip}");
         }
     }
 }
@@ -54,32 +41,21 @@ fn every_layer_and_level_comes_back_as_it_was_uploaded() {
 fn compute_reads_a_sampled_image_and_writes_a_storage_image() {
     let Some(context) = device() else { return };
     let format = vk::Format::R32_SFLOAT;
-    let image = |name, usage| {
-        Image::new(
-            &context,
-            &ImageDescription::new(name, (20, 9), format, usage),
-        )
-        .unwrap()
-    };
+    let image = |name, usage| Image::new(&context, &ImageDescription::new(name, (20, 9), format, usage)).unwrap();
     let source = image("source", vk::ImageUsageFlags::SAMPLED);
     let target = image("target", vk::ImageUsageFlags::STORAGE);
     let values: Vec<f32> = (0..180).map(|i| i as f32 - 90.0).collect();
     let mut upload = Upload::new(&context, 1024);
     upload.image(&source, 0, 0, &values).unwrap();
-    let nearest = SamplerDescription {
-        filter: vk::Filter::NEAREST,
-        ..Default::default()
-    };
+    let nearest = SamplerDescription { filter: vk::Filter::NEAREST, ..Default::default() };
     let sampler = Sampler::new(&context, "nearest", &nearest).unwrap();
     let pipeline = ComputePipeline::new(&context, &SQUARE_COMP, &[(0, 3)]).unwrap();
     assert_eq!(pipeline.workgroup_size(), [8, 8, 1]);
     Commands::once(&context, "square", |commands| {
         upload.record(commands)?;
         commands.transition(target.view(), Access::Undefined, Access::ComputeWrite)?;
-        let resources = [
-            ("source", Resource::Sampled(source.view(), &sampler)),
-            ("target", Resource::StorageImage(target.view())),
-        ];
+        let resources =
+            [("source", Resource::Sampled(source.view(), &sampler)), ("target", Resource::StorageImage(target.view()))];
         commands.bind(&pipeline, &resources)?;
         commands.dispatch(3, 2, 1)
     })
@@ -97,27 +73,18 @@ fn images_past_the_limits_are_errors() {
     let good = ImageDescription::new("limits", (16, 16), format, usage);
     let most = context.limits().max_image_array_layers;
     let cases = [
-        ImageDescription {
-            layers: most + 1,
-            ..good
-        },
+        ImageDescription { layers: most + 1, ..good },
         ImageDescription { layers: 0, ..good },
         ImageDescription { mips: 6, ..good },
         ImageDescription { width: 0, ..good },
     ];
     for description in cases {
-        assert!(
-            Image::new(&context, &description).is_err(),
-            "{description:?}"
-        );
+        assert!(Image::new(&context, &description).is_err(), "{description:?}");
     }
     let image = Image::new(&context, &good).unwrap();
     assert!(image.layer_view(1, 0).is_err());
     assert!(image.layer_view(0, 1).is_err());
     let mut upload = Upload::new(&context, 1024);
-    assert!(
-        upload.image(&image, 0, 0, &[0u8; 17]).is_err(),
-        "too few texels"
-    );
+    assert!(upload.image(&image, 0, 0, &[0u8; 17]).is_err(), "too few texels");
     assert!(capture(&context, &image, (0, 0), Access::Undefined).is_err());
 }

@@ -11,19 +11,10 @@ fn listed_gpus_can_be_chosen_by_index_and_name() {
     let gpus = list_gpus().unwrap();
     let chosen = context.device_info();
     let listed = &gpus[chosen.index];
-    assert_eq!(
-        (&listed.name, &listed.driver_info),
-        (&chosen.name, &chosen.driver_info)
-    );
+    assert_eq!((&listed.name, &listed.driver_info), (&chosen.name, &chosen.driver_info));
     assert!(listed.unusable.is_empty() && listed.api_version.starts_with("1."));
-    for choice in [
-        GpuChoice::Index(chosen.index),
-        GpuChoice::Name(chosen.name.to_uppercase()),
-    ] {
-        let options = ContextOptions {
-            gpu: choice,
-            validation: false,
-        };
+    for choice in [GpuChoice::Index(chosen.index), GpuChoice::Name(chosen.name.to_uppercase())] {
+        let options = ContextOptions { gpu: choice, validation: false };
         let context = Context::new(&options).unwrap();
         assert_eq!(context.device_info().name, chosen.name);
     }
@@ -33,16 +24,10 @@ fn listed_gpus_can_be_chosen_by_index_and_name() {
 fn a_gpu_that_does_not_exist_is_an_error_that_lists_the_others() {
     let Some(context) = device() else { return };
     for choice in [GpuChoice::Index(99), GpuChoice::Name("no such".to_owned())] {
-        let options = ContextOptions {
-            gpu: choice,
-            validation: false,
-        };
+        let options = ContextOptions { gpu: choice, validation: false };
         let error = Context::new(&options).err().unwrap();
         assert!(matches!(error, VulkanError::NoSuchGpu { .. }), "{error:?}");
-        assert!(
-            error.to_string().contains(&context.device_info().name),
-            "{error}"
-        );
+        assert!(error.to_string().contains(&context.device_info().name), "{error}");
     }
 }
 
@@ -63,19 +48,11 @@ fn a_machine_without_drivers_names_the_package_to_install() {
         return;
     }
     let output = Command::new(std::env::current_exe().unwrap())
-        .args([
-            "--exact",
-            "--ignored",
-            "--nocapture",
-            "vulkan::tests::machine::what_list_gpus_says",
-        ])
+        .args(["--exact", "--ignored", "--nocapture", "vulkan::tests::machine::what_list_gpus_says"])
         .env("VK_DRIVER_FILES", "/nonexistent")
         .env("VK_ICD_FILENAMES", "/nonexistent")
         .output()
         .unwrap();
     let text = String::from_utf8_lossy(&output.stdout);
-    assert!(
-        text.contains("NoDriver: ") && text.contains("mesa-vulkan-drivers"),
-        "{text}"
-    );
+    assert!(text.contains("NoDriver: ") && text.contains("mesa-vulkan-drivers"), "{text}");
 }

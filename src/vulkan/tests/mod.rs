@@ -49,25 +49,13 @@ fn device() -> Option<Checked> {
 }
 
 /// The device to test on, and what else `create` makes with it.
-fn device_with<T>(
-    create: impl FnOnce(&ContextOptions) -> Result<(Arc<Context>, T)>,
-) -> Option<(Checked, T)> {
+fn device_with<T>(create: impl FnOnce(&ContextOptions) -> Result<(Arc<Context>, T)>) -> Option<(Checked, T)> {
     let guard = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
-    let options = ContextOptions {
-        validation: true,
-        ..ContextOptions::default()
-    };
+    let options = ContextOptions { validation: true, ..ContextOptions::default() };
     match create(&options) {
         Ok((context, other)) => {
             let log = context.message_log();
-            Some((
-                Checked {
-                    context: Some(context),
-                    log,
-                    _device: guard,
-                },
-                other,
-            ))
+            Some((Checked { context: Some(context), log, _device: guard }, other))
         }
         Err(error) => {
             let required = std::env::var("TERRANE_REQUIRE_GPU").is_ok_and(|value| value == "1");

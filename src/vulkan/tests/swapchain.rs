@@ -16,43 +16,22 @@ fn frames_go_round_and_follow_the_window() {
             swapchain.resize(80, 40);
         }
         let mut frame = swapchain.acquire().unwrap().expect("an image");
-        assert_eq!(
-            frame.target.size(),
-            if number < 6 { (64, 48) } else { (80, 40) }
-        );
-        timed += usize::from(
-            frame
-                .timestamps
-                .as_ref()
-                .is_some_and(|times| times.ms("clear").is_some()),
-        );
+        assert_eq!(frame.target.size(), if number < 6 { (64, 48) } else { (80, 40) });
+        timed += usize::from(frame.timestamps.as_ref().is_some_and(|times| times.ms("clear").is_some()));
         let target = frame.target.clone();
         let commands = &mut frame.commands;
-        commands
-            .transition(&target, Access::Undefined, Access::ColorTarget)
-            .unwrap();
+        commands.transition(&target, Access::Undefined, Access::ColorTarget).unwrap();
         commands
             .zone("clear", |commands| {
                 let clear = Some([0.5; 4]);
-                commands.begin_rendering(
-                    &[ColorTarget {
-                        view: &target,
-                        clear,
-                    }],
-                    None,
-                )?;
+                commands.begin_rendering(&[ColorTarget { view: &target, clear }], None)?;
                 commands.end_rendering()
             })
             .unwrap();
-        commands
-            .transition(&target, Access::ColorTarget, Access::Present)
-            .unwrap();
+        commands.transition(&target, Access::ColorTarget, Access::Present).unwrap();
         swapchain.present(frame).unwrap();
     }
-    assert_eq!(
-        timed, 10,
-        "all but the first frame of each slot report times"
-    );
+    assert_eq!(timed, 10, "all but the first frame of each slot report times");
     swapchain.resize(0, 0);
     assert!(swapchain.acquire().unwrap().is_none(), "minimized");
     swapchain.resize(64, 48);

@@ -29,16 +29,9 @@ fn a_missing_barrier_is_reported() {
     let Some(messages) = fill_and_count(false) else {
         return;
     };
-    let hazard = messages
-        .iter()
-        .find(|m| m.id.starts_with("SYNC-HAZARD"))
-        .expect("a hazard");
+    let hazard = messages.iter().find(|m| m.id.starts_with("SYNC-HAZARD")).expect("a hazard");
     assert_eq!(hazard.severity, Severity::Error);
-    assert!(
-        hazard.text.contains("counts"),
-        "names are passed on: {}",
-        hazard.text
-    );
+    assert!(hazard.text.contains("counts"), "names are passed on: {}", hazard.text);
 }
 
 #[test]

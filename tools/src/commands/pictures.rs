@@ -19,7 +19,8 @@ pub(crate) fn write_png(path: &Path, [width, height]: [u32; 2], rgba: &[u8]) -> 
 pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     let name = path.file_name().with_context(|| format!("{} names no file", path.display()))?;
     let part = path.with_file_name(format!(".{}.part", name.to_string_lossy()));
-    let written = std::fs::File::create(&part).and_then(|mut file| file.write_all(bytes)).and_then(|()| std::fs::rename(&part, path));
+    let written =
+        std::fs::File::create(&part).and_then(|mut file| file.write_all(bytes)).and_then(|()| std::fs::rename(&part, path));
     if written.is_err() {
         let _ = std::fs::remove_file(&part);
     }
