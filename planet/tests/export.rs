@@ -70,6 +70,8 @@ struct Read {
     triangles: Vec<[u32; 3]>,
 }
 
+type Reader = fn(&[u8]) -> Read;
+
 impl Read {
     /// Directed edges without their opposites, counted without the library's help.
     fn open_edges(&self) -> usize {
@@ -157,7 +159,7 @@ fn whole_planets_are_closed_in_every_format() {
     assert_eq!(surface.positions.len() as i64 - surface.triangles.len() as i64 / 2, 2, "Euler characteristic");
     let placed = tiny.placed(&surface, IVec3::ZERO);
     let exact: Vec<DVec3> = surface.positions.iter().map(|p| p.as_dvec3() * tiny.planet.lattice.unit).collect();
-    let formats: [(Format, fn(&[u8]) -> Read); 3] = [(Format::Obj, read_obj), (Format::Ply, read_ply), (Format::Glb, read_glb)];
+    let formats: [(Format, Reader); 3] = [(Format::Obj, read_obj), (Format::Ply, read_ply), (Format::Glb, read_glb)];
     for (format, reader) in formats {
         let mut read = reader(&placed.encode(format).unwrap());
         assert_eq!(read.triangles, surface.triangles, "{format:?}");
