@@ -28,7 +28,7 @@ float noise(vec3 p) {
 // Tilt of the waves that a pixel can resolve; what it cannot becomes roughness.
 vec3 ripple(vec3 place, vec3 up, float footprint, out float roughness) {
     vec3 tilt = vec3(0.0);
-    float left = 0.16;
+    float left = 0.24;
     for (int octave = 0; octave < 4; ++octave) {
         float wavelength = 64.0 / pow(4.0, float(octave));
         float seen = 1.0 - smoothstep(0.15, 0.5, footprint / wavelength);
@@ -37,7 +37,7 @@ vec3 ripple(vec3 place, vec3 up, float footprint, out float roughness) {
         float here = noise(p);
         vec3 gradient = vec3(noise(p + vec3(0.3, 0, 0)), noise(p + vec3(0, 0.3, 0)), noise(p + vec3(0, 0, 0.3))) - here;
         tilt += gradient * seen * 0.12;
-        left -= 0.025 * seen;
+        left -= 0.03 * seen;
     }
     roughness = left;
     return normalize(up - (tilt - up * dot(tilt, up)));

@@ -2,7 +2,7 @@
 
 use crate::frame::{FrameTables, Look, Renderer};
 use crate::scene::{Scene, SceneError};
-use crate::vulkan::{capture, vk, Access, Commands, Context, Image, ImageDescription, Timestamps};
+use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps};
 use std::sync::Arc;
 use std::time::Instant;
 use terrane_planet::layout::EmitState;
@@ -33,6 +33,16 @@ pub struct FrameReport {
     pub tables_ms: f64,
     /// CPU milliseconds for recording the commands.
     pub record_ms: f64,
+}
+
+/// What the mesh stages of a frame left on the GPU.
+pub struct Selection {
+    /// Awake bits of all patches, at the offsets of the frame's tables.
+    pub awake: Vec<u32>,
+    /// What every vertex is drawn as, at the offsets of the frame's tables.
+    pub resolved: Vec<u32>,
+    /// Emitted triangles in no order: patch number above [`VERTEX_BITS`](terrane_planet::layout::VERTEX_BITS), vertex below.
+    pub triangles: Vec<[u32; 3]>,
 }
 
 impl Headless {
@@ -77,6 +87,17 @@ impl Headless {
         let record_ms = milliseconds_since(begun);
         let times = self.commands.submit_and_wait()?;
         Ok(FrameReport { times, counters: self.renderer.counters()?, tables, tables_ms, record_ms })
+    }
+
+    /// Reads back what the mesh stages of the latest frame wrote; `report` is that frame's.
+    pub fn read_selection(&self, report: &FrameReport) -> Result<Selection, SceneError> {
+        let buffers = &self.renderer.buffers;
+        let emitted = report.counters.wanted.min(report.counters.capacity);
+        Ok(Selection {
+            awake: download(&self.context, &buffers.awake, report.tables.awake_words as usize)?,
+            resolved: download(&self.context, &buffers.resolved, report.tables.vertices as usize)?,
+            triangles: download(&self.context, &buffers.indices, emitted as usize)?,
+        })
     }
 
     /// The latest picture, four bytes a pixel, row by row.

@@ -1,7 +1,8 @@
 //! Terrane's run time: draws the patches of a planet file with Vulkan.
 //!
 //! [`scene`] keeps the right patches on the GPU, [`frame`] selects, emits and draws them, [`headless`] makes still pictures,
-//! `app` (with the feature of that name) flies in a window, and [`vulkan`] is the thin layer below, the only place with `unsafe`.
+//! [`verify`] compares what was drawn with the CPU twins, `app` (with the feature of that name) flies in a window, and [`vulkan`]
+//! is the thin layer below, the only place with `unsafe`.
 
 #[cfg(feature = "app")]
 pub mod app;
@@ -10,4 +11,5 @@ pub mod headless;
 pub mod measure;
 pub mod scene;
 pub mod shaders;
+pub mod verify;
 pub mod vulkan;

@@ -29,7 +29,7 @@ fn planet(field: &TestField, cells: u32) -> Planet {
         at += 1;
         let near_corner = id.centre().distance(glam::DVec3::new(1.0, 1.0, 1.0).normalize()) < 2.0 / f64::from(1u32 << id.level);
         if id.level < 2 || (id.level < 5 && near_corner) {
-            ids.extend(id.children().unwrap());
+            ids.extend(id.children().into_iter().flatten());
         }
     }
     let patches: HashMap<_, _> = ids.into_iter().map(|id| (id, load(&ground, id))).collect();

@@ -5,7 +5,7 @@ use super::pose::{meet_sphere, Lens, Pose, Surface};
 use glam::DVec3;
 
 /// How much of the way down or up one notch of the wheel goes, as a logarithm of height.
-const ZOOM_PER_NOTCH: f64 = 0.25;
+const ZOOM_PER_NOTCH: f64 = 0.2;
 /// Share of an outstanding zoom that is done each second, as a rate.
 const ZOOM_RATE: f64 = 12.0;
 /// Outstanding zoom that is too little to be seen.
@@ -136,7 +136,7 @@ mod tests {
         let zoomed = |steps: usize| {
             let mut viewer = pose(1e6, 0.0, -70.0);
             let mut camera = OrbitCamera::default();
-            camera.wheel(8.0);
+            camera.wheel(2.0 / ZOOM_PER_NOTCH);
             (0..steps).for_each(|_| camera.step(&mut viewer, &LENS, [400.0, 300.0], 1.0 / steps as f64, &ball));
             viewer
         };
@@ -150,7 +150,7 @@ mod tests {
     fn zooming_down_ends_above_the_ground_with_the_horizon_in_sight() {
         let mut viewer = pose(2e7, 0.0, -90.0);
         let mut camera = OrbitCamera::default();
-        camera.wheel(200.0);
+        camera.wheel(300.0);
         (0..600).for_each(|_| camera.step(&mut viewer, &LENS, [410.0, 290.0], 0.05, &ball));
         assert!((viewer.height(&ball) - 2.0).abs() < 1e-6, "{}", viewer.height(&ball));
         assert!((-20.0..-10.0).contains(&viewer.pitch.to_degrees()), "{}", viewer.pitch.to_degrees());

@@ -6,7 +6,7 @@ use crate::vulkan::{Buffer, Context, Memory, Result, Usage, FRAMES_IN_FLIGHT};
 use std::sync::Arc;
 use terrane_planet::layout::{EmitState, FrameView, Shading};
 
-/// Most triangles a frame emits; more are counted, not drawn, and reported.
+/// Most triangles a frame emits unless told otherwise; more are counted, not drawn, and reported.
 pub const MAX_TRIANGLES: u32 = 6_000_000;
 
 /// What the CPU writes for one frame.
@@ -26,6 +26,8 @@ pub struct FrameBuffers {
     context: Arc<Context>,
     inputs: Vec<Inputs>,
     slot: usize,
+    /// Most triangles a frame emits (at least 1); more are counted, not drawn, and reported.
+    pub max_triangles: u32,
     /// Awake bits, GPU-written.
     pub awake: Buffer,
     /// Resolved vertices, GPU-written.
@@ -44,6 +46,7 @@ impl FrameBuffers {
             context: context.clone(),
             inputs,
             slot: 0,
+            max_triangles: MAX_TRIANGLES,
             awake: storage(context, "awake", 4096)?,
             resolved: storage(context, "resolved", 4096)?,
             indices: indices(context, 1024)?,
@@ -55,7 +58,7 @@ impl FrameBuffers {
     /// last must have finished.
     pub fn write(&mut self, tables: &FrameTables, view: &FrameView, shading: &Shading) -> Result<()> {
         self.slot = (self.slot + 1) % self.inputs.len();
-        let capacity = tables.triangles.clamp(1, MAX_TRIANGLES);
+        let capacity = tables.triangles.clamp(1, self.max_triangles.max(1));
         let context = self.context.clone();
         grow(&mut self.awake, 4 * u64::from(tables.awake_words), |bytes| storage(&context, "awake", bytes))?;
         grow(&mut self.resolved, 4 * u64::from(tables.vertices), |bytes| storage(&context, "resolved", bytes))?;

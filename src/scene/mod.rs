@@ -53,10 +53,17 @@ pub enum SceneError {
 /// What a scene may use.
 #[derive(Clone, Copy, Debug)]
 pub struct SceneOptions {
-    /// Most patches on the GPU at a time.
+    /// Most patches on the GPU at a time, at least 64; with textures also at most the device's limit of image layers.
     pub capacity: u32,
     /// Whether to load textures (checks of the mesh do without).
     pub textures: bool,
+}
+
+impl SceneOptions {
+    /// Every patch that a view asks for, without textures: for checks of the mesh.
+    pub fn whole_mesh() -> Self {
+        SceneOptions { capacity: u32::MAX, textures: false }
+    }
 }
 
 impl Default for SceneOptions {
@@ -90,7 +97,9 @@ impl Scene {
             return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
         }
         let tree = PatchTree::new(planet.lattice, planet.cells, records.iter().map(facts));
-        let capacity = options.capacity.clamp(64, context.limits().max_image_array_layers).min(records.len() as u32);
+        // Only textures need a layer for each patch.
+        let most = if options.textures { context.limits().max_image_array_layers } else { u32::MAX };
+        let capacity = options.capacity.clamp(64, most).min(records.len() as u32);
         let layers = if options.textures { capacity } else { 1 };
         let textures = TexturePool::new(context, planet.cells, layers)?;
         let loader = Loader::new(path, planet.lattice, options.textures)?;

@@ -104,8 +104,10 @@ impl Search<'_> {
             self.wanted.push((id, urgency));
         }
         // Every neighbour of this level must exist, even if this one cannot split yet: its data is wanted all the same.
-        let parents = Side::ALL.map(|side| id.neighbour(side).parent());
-        let balanced = parents.into_iter().flatten().fold(true, |all, parent| self.ensure_split(parent, urgency) && all);
+        let mut balanced = true;
+        for parent in Side::ALL.into_iter().filter_map(|side| id.neighbour(side).parent()) {
+            balanced &= self.ensure_split(parent, urgency);
+        }
         if ready && balanced {
             self.split.insert(id);
         } else {

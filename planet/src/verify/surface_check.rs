@@ -54,6 +54,11 @@ impl SurfaceCheck {
         }
     }
 
+    /// What is known before the last patch is added: everything but the cracks.
+    pub fn so_far(&self) -> SurfaceReport {
+        self.report
+    }
+
     /// The faults of everything added.
     pub fn finish(mut self) -> SurfaceReport {
         self.report.cracks = self.open_edges.values().map(|n| n.unsigned_abs() as usize).sum();

@@ -176,7 +176,7 @@ fn summarise(costs: &[FrameCost]) -> anyhow::Result<Vec<Line>> {
     for (name, value) in quantities() {
         let scale = if name.contains(" ms") { 1e3 } else { 1.0 };
         let mut histogram = Histogram::<u64>::new_with_bounds(1, LONGEST_US, 3)?;
-        for ms in costs.iter().filter_map(|c| value(c)) {
+        for ms in costs.iter().filter_map(value) {
             histogram.saturating_record((ms * scale).round() as u64);
         }
         let at = [0.50, 0.95, 0.99, 1.0].map(|q| histogram.value_at_quantile(q) as f64 / scale);

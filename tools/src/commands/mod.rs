@@ -34,7 +34,9 @@ commands! {
     bake => Bake,
     bench => Bench,
     fly => Fly,
+    gpus => Gpus,
     info => Info,
     mesh => Mesh,
     shot => Shot,
+    verify => Verify,
 }

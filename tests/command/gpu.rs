@@ -1,0 +1,126 @@
+//! `terrane gpus` and `terrane verify` as processes, and what is said where there is no driver.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use serde_json::Value;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::sync::atomic::AtomicBool;
+use terrane_planet::bake::{bake, BakePlan};
+use terrane_planet::patch::PatchId;
+use terrane_planet::planet::Planet;
+use terrane_planet::recipe::Recipe;
+use terrane_planet::store::{BakedPatch, PlanetFile};
+
+fn terrane(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
+    command.args(arguments).stdin(Stdio::null());
+    command
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Whether there is a device; none prints "skipped", or fails where `TERRANE_REQUIRE_GPU=1`.
+fn has_device() -> bool {
+    let output = terrane(&["gpus"]).output().unwrap();
+    let found = output.status.success() && text(&output.stdout).contains(" usable");
+    if !found {
+        let required = std::env::var("TERRANE_REQUIRE_GPU").is_ok_and(|value| value == "1");
+        assert!(!required, "no device: {}", text(&output.stderr));
+        println!("skipped: {}", text(&output.stderr));
+    }
+    found
+}
+
+fn tiny(seed: &str) -> Planet {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../planet/recipes/tiny.toml");
+    let recipe = std::fs::read_to_string(path).unwrap();
+    assert!(recipe.contains("seed = 7\n"));
+    let recipe = Recipe::from_toml(&recipe.replace("seed = 7\n", &format!("seed = {seed}\n")), "tiny", Path::new(".")).unwrap();
+    Planet::from_recipe(recipe, 32).unwrap()
+}
+
+/// Bakes the tiny planet to level 1, with one patch of `other` if one is given.
+fn bake_tiny(path: &Path, other: Option<(&Planet, PatchId)>) {
+    let planet = tiny("7");
+    let mut file = PlanetFile::create_or_resume(path, &planet.header()).unwrap();
+    if let Some((other, id)) = other {
+        assert_eq!(other.lattice, planet.lattice);
+        let (mesh, texture, _) = other.build(id);
+        file.put(&[BakedPatch::new(&mesh, &texture).unwrap()]).unwrap();
+    }
+    let plan = BakePlan::new(planet.recipe.radius, 1, None).unwrap();
+    let summary = bake(&mut file, &planet.terrain, &planet.terrain, &plan, 2, &|_| (), &AtomicBool::new(false)).unwrap();
+    assert_eq!(summary.skipped, usize::from(other.is_some()));
+}
+
+fn verify(path: &Path) -> (Output, Value) {
+    let output = terrane(&["verify", "--views", "8", "--validate", "--json"]).arg(path).output().unwrap();
+    let found = serde_json::from_slice(&output.stdout);
+    let json = found.unwrap_or_else(|e| panic!("{e}: {} {}", text(&output.stdout), text(&output.stderr)));
+    (output, json)
+}
+
+#[test]
+fn a_sound_planet_is_verified() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("tiny.planet");
+    bake_tiny(&path, None);
+    let (output, json) = verify(&path);
+    assert_eq!(output.status.code(), Some(0), "{json} {}", text(&output.stderr));
+    for fault in ["cracks", "gpu_cpu_mismatches", "flipped", "degenerate", "closure_violations", "dropped_triangles"] {
+        assert_eq!(json[fault], 0, "{fault}: {json}");
+    }
+    assert_eq!(json["views"], 8);
+    assert!(json["triangles"].as_u64().unwrap() > 1000, "{json}");
+    assert!(text(&output.stderr).contains("8/8 views"), "no progress: {}", text(&output.stderr));
+}
+
+#[test]
+fn a_patch_of_another_planet_is_a_crack() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let path: PathBuf = folder.path().join("patched.planet");
+    let id = PatchId::roots().nth(2).unwrap().children().unwrap()[1];
+    bake_tiny(&path, Some((&tiny("8"), id)));
+    let (output, json) = verify(&path);
+    assert_eq!(output.status.code(), Some(1), "{json}");
+    assert!(json["cracks"].as_u64().unwrap() > 0, "{json}");
+    assert_eq!(json["gpu_cpu_mismatches"], 0, "{json}");
+    assert!(text(&output.stderr).contains("cracks in the surface"), "{}", text(&output.stderr));
+}
+
+#[test]
+fn the_gpus_are_listed() {
+    if !has_device() {
+        return;
+    }
+    let output = terrane(&["gpus", "--json"]).output().unwrap();
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let first = &json["gpus"][0];
+    assert_eq!((&first["index"], first["name"].is_string(), first["usable"].is_boolean()), (&0.into(), true, true), "{json}");
+    assert!(first["api_version"].as_str().unwrap().starts_with("1."));
+}
+
+#[test]
+fn without_a_driver_every_command_says_what_to_install() {
+    let cases: [&[&str]; 3] =
+        [&["gpus"], &["shot", "x.planet", "--at", "0,0,1000", "--out", "x.png"], &["verify", "x.planet", "--views", "1"]];
+    for arguments in cases {
+        let mut command = terrane(arguments);
+        command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
+        let output = command.output().unwrap();
+        let errors = text(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{arguments:?}: {errors}");
+        let named = errors.contains("no Vulkan driver was found") && errors.contains("mesa-vulkan-drivers");
+        assert!(named || errors.contains("the Vulkan loader was not found"), "{arguments:?}: {errors}");
+        assert!(!errors.contains("panicked") && output.stdout.is_empty(), "{arguments:?}: {errors}");
+    }
+}

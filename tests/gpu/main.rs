@@ -1,0 +1,8 @@
+//! The stages on a real device, with validation and synchronization validation: any message fails a test.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
+
+mod harness;
+mod layout;
+mod overflow;
+mod twins;

@@ -1,0 +1,41 @@
+//! `terrane gpus`: the GPUs of this machine.
+
+use super::Run;
+use crate::Outcome;
+use serde_json::json;
+use terrane::vulkan::{list_gpus, GpuInfo};
+
+/// List the GPUs of this machine, and what keeps a GPU from being used.
+#[derive(clap::Args)]
+pub(crate) struct Gpus {
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+impl Run for Gpus {
+    fn run(self) -> anyhow::Result<Outcome> {
+        let gpus = list_gpus()?;
+        if self.json {
+            println!("{}", json!({ "gpus": gpus.iter().map(entry).collect::<Vec<_>>() }));
+            return Ok(Outcome::Done);
+        }
+        for gpu in &gpus {
+            println!("{}: {} ({})", gpu.index, gpu.name, gpu.kind.as_str());
+            println!("   driver {} {}, Vulkan {}", gpu.driver, gpu.driver_info, gpu.api_version);
+            match gpu.unusable.as_slice() {
+                [] => println!("   usable, subgroups of {}", gpu.subgroup_size),
+                lacks => println!("   not usable: it lacks {}", lacks.join(", ")),
+            }
+        }
+        Ok(Outcome::Done)
+    }
+}
+
+fn entry(gpu: &GpuInfo) -> serde_json::Value {
+    json!({
+        "index": gpu.index, "name": gpu.name, "kind": gpu.kind.as_str(), "driver": gpu.driver, "driver_info": gpu.driver_info,
+        "api_version": gpu.api_version, "subgroup_size": gpu.subgroup_size, "usable": gpu.unusable.is_empty(),
+        "lacks": gpu.unusable,
+    })
+}
