@@ -126,7 +126,7 @@ fn references() -> PathBuf {
 }
 
 fn failures() -> PathBuf {
-    Path::new(env!("CARGO_TARGET_TMPDIR")).join("../pictures")
+    Path::new(env!("CARGO_TARGET_TMPDIR")).with_file_name("pictures")
 }
 
 /// Compares a picture with its reference in a folder; writes picture and difference into another if they differ.
