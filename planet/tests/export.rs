@@ -70,6 +70,8 @@ struct Read {
     triangles: Vec<[u32; 3]>,
 }
 
+type Reader = fn(&[u8]) -> Read;
+
 impl Read {
     /// Directed edges without their opposites, counted without the library's help.
     fn open_edges(&self) -> usize {

@@ -48,6 +48,25 @@ fn meshes_are_written_whole_and_described() {
 }
 
 #[test]
+fn meshes_have_the_triangles_that_the_device_draws() {
+    if device().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    planet_in(folder.path());
+    for at in ["10,20,20000", "10,20,500", "-35,100,20"] {
+        let view = ["tiny.planet", "--at", at, "--look", "30,-45", "--size", "320x180", "--json", "--out"];
+        let triangles = |command: &str, out: &str| {
+            let output = terrane(&[&[command], &view[..], &[out]].concat(), folder.path());
+            assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+            json(&output.stdout)["triangles"].as_u64().unwrap()
+        };
+        let (exported, drawn) = (triangles("mesh", "a.ply"), triangles("shot", "a.png"));
+        assert!(exported == drawn && drawn > 0, "{at}: {exported} exported, {drawn} drawn");
+    }
+}
+
+#[test]
 fn failed_meshes_leave_nothing_behind() {
     let folder = tempfile::tempdir().unwrap();
     planet_in(folder.path());
