@@ -57,16 +57,6 @@ impl Context {
         Ok((context, surface))
     }
 
-    /// Creates a context with a surface that shows nothing, for tests of the swapchain.
-    #[cfg(test)]
-    pub(crate) fn with_headless_surface(options: &ContextOptions) -> Result<(Arc<Self>, Surface)> {
-        let extensions = [khr::surface::NAME.as_ptr(), ext::headless_surface::NAME.as_ptr()];
-        let instance = Arc::new(Instance::new(options.validation, &extensions)?);
-        let surface = Surface::headless(instance.clone())?;
-        let context = Self::on_instance(instance, Some(surface.handle), options)?;
-        Ok((context, surface))
-    }
-
     fn on_instance(instance: Arc<Instance>, surface: Option<vk::SurfaceKHR>, options: &ContextOptions) -> Result<Arc<Self>> {
         let gpu = choose(&instance, surface, &options.gpu)?;
         let device = create_device(&instance, &gpu, surface.is_some())?;

@@ -18,7 +18,7 @@ impl<W: HasWindowHandle + HasDisplayHandle + Send + Sync + 'static> Window for W
 pub struct Surface {
     pub(crate) handle: vk::SurfaceKHR,
     pub(crate) functions: khr::surface::Instance,
-    _window: Option<Arc<dyn Window>>,
+    _window: Arc<dyn Window>,
     _instance: Arc<Instance>,
 }
 
@@ -36,18 +36,7 @@ impl Surface {
         let handle = unsafe { ash_window::create_surface(&instance.entry, &instance.handle, display, raw, None) }
             .map_err(api("creating a surface"))?;
         let functions = khr::surface::Instance::new(&instance.entry, &instance.handle);
-        Ok(Self { handle, functions, _window: Some(window), _instance: instance })
-    }
-
-    /// A surface that shows nothing, for tests of the swapchain.
-    #[cfg(test)]
-    pub(crate) fn headless(instance: Arc<Instance>) -> Result<Self> {
-        let creator = ash::ext::headless_surface::Instance::new(&instance.entry, &instance.handle);
-        let info = vk::HeadlessSurfaceCreateInfoEXT::default();
-        // SAFETY: the instance was created with the extension.
-        let handle = unsafe { creator.create_headless_surface(&info, None) }.map_err(api("vkCreateHeadlessSurfaceEXT"))?;
-        let functions = khr::surface::Instance::new(&instance.entry, &instance.handle);
-        Ok(Self { handle, functions, _window: None, _instance: instance })
+        Ok(Self { handle, functions, _window: window, _instance: instance })
     }
 }
 

@@ -7,12 +7,11 @@ mod drawing;
 mod images;
 mod machine;
 mod shaders;
-mod swapchain;
 mod validation;
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-use super::{Context, ContextOptions, MessageLog, Result};
+use super::{Context, ContextOptions, MessageLog};
 
 /// One device at a time: several software devices at once only slow each other down.
 static DEVICE: Mutex<()> = Mutex::new(());
@@ -45,17 +44,12 @@ impl Drop for Checked {
 
 /// The device to test on; none prints "skipped", or fails where `TERRANE_REQUIRE_GPU=1`.
 fn device() -> Option<Checked> {
-    device_with(|options| Ok((Context::new(options)?, ()))).map(|(context, ())| context)
-}
-
-/// The device to test on, and what else `create` makes with it.
-fn device_with<T>(create: impl FnOnce(&ContextOptions) -> Result<(Arc<Context>, T)>) -> Option<(Checked, T)> {
     let guard = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
     let options = ContextOptions { validation: true, ..ContextOptions::default() };
-    match create(&options) {
-        Ok((context, other)) => {
+    match Context::new(&options) {
+        Ok(context) => {
             let log = context.message_log();
-            Some((Checked { context: Some(context), log, _device: guard }, other))
+            Some(Checked { context: Some(context), log, _device: guard })
         }
         Err(error) => {
             let required = std::env::var("TERRANE_REQUIRE_GPU").is_ok_and(|value| value == "1");
