@@ -22,7 +22,9 @@ const CELLS: u32 = 32;
 /// Latitude and longitude that the descent ends at, where terra is baked to its finest level.
 const PLACE: [f64; 2] = [36.62, 106.05];
 /// Finest level of terra.
-const FINEST: u8 = 10;
+const FINEST: u8 = 15;
+/// Level of the patch whose descendants are taken away to see a picture fail: coarse enough to be seen in two of them.
+const LOST: u8 = 8;
 /// Difference of a channel up to which pixels count as equal.
 const LIMIT: u8 = 3;
 /// Share of pixels that may differ by more.
@@ -266,7 +268,7 @@ fn a_missing_patch_fails() {
     let whole = PlanetFile::open(&planets().join("terra.planet")).unwrap();
     let path = folder.path().join("holed.planet");
     let mut holed = PlanetFile::create_or_resume(&path, whole.header()).unwrap();
-    let lost = PatchId::containing(direction_at(PLACE[0], PLACE[1]), FINEST - 2);
+    let lost = PatchId::containing(direction_at(PLACE[0], PLACE[1]), LOST);
     let is_below = |mut id: PatchId| {
         while id.level > lost.level {
             id.level -= 1;
