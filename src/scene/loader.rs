@@ -88,7 +88,8 @@ impl Loader {
                 loaded.extend(self.take(usize::MAX)?);
                 Ok(loaded)
             }
-            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => Ok(Vec::new()),
+            Err(RecvTimeoutError::Timeout) => Ok(Vec::new()),
+            Err(RecvTimeoutError::Disconnected) => Err(SceneError::LoaderStopped),
         }
     }
 

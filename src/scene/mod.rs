@@ -28,6 +28,9 @@ use thiserror::Error;
 /// Bytes staged at a time.
 const UPLOAD_CHUNK: u64 = 8 << 20;
 
+/// Updates for which nothing is asked for after a patch was turned away.
+const PATIENCE: u64 = 60;
+
 /// Why a scene cannot be opened or kept up to date.
 #[derive(Debug, Error)]
 pub enum SceneError {
@@ -40,6 +43,9 @@ pub enum SceneError {
     /// The GPU.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
+    /// The threads that read patches are gone.
+    #[error("the threads that read the planet file have stopped; please report this")]
+    LoaderStopped,
     /// A file without the six whole faces.
     #[error("{file}: {missing} of the 6 whole-face patches are missing: the bake stopped early; run `terrane bake` again to finish it")]
     NoRoots {
@@ -82,8 +88,8 @@ pub struct Scene {
     loader: Loader,
     capacity: usize,
     frame: u64,
-    /// Whether a patch was turned away since settling began, because all resident ones are in use.
-    full: bool,
+    /// The update in which a patch was last turned away, because all resident ones were in use.
+    full_at: Option<u64>,
 }
 
 impl Scene {
@@ -112,7 +118,7 @@ impl Scene {
             loader,
             capacity: capacity as usize,
             frame: 0,
-            full: false,
+            full_at: None,
         };
         scene.loader.request(PatchId::roots().map(|id| (id, 0.0)).collect());
         while scene.resident.len() < 6 {
@@ -181,13 +187,13 @@ impl Scene {
 
     /// Updates until everything the view wants is resident (or nothing more fits), and returns the final cut.
     pub fn settle(&mut self, view: &View) -> Result<Cut, SceneError> {
-        self.full = false;
+        self.full_at = None;
         loop {
             let cut = self.update(view, usize::MAX)?;
             if cut.wanted.is_empty() {
                 return Ok(cut);
             }
-            if self.full {
+            if self.full_at.is_some() {
                 tracing::warn!(capacity = self.capacity, "the view wants more patches than fit: the picture is coarser");
                 return Ok(cut);
             }
@@ -212,6 +218,10 @@ impl Scene {
 
     fn request(&mut self, cut: &Cut) {
         let children = |&(id, urgency): &(PatchId, f64)| id.children().into_iter().flatten().map(move |child| (child, urgency));
+        // What was just turned away would be again: it is not read and decoded anew for every frame.
+        if self.full_at.is_some_and(|at| self.frame < at + PATIENCE) {
+            return self.loader.request(Vec::new());
+        }
         let missing = cut.wanted.iter().flat_map(children).filter(|(id, _)| !self.resident.contains_key(id)).collect();
         self.loader.request(missing);
     }
@@ -227,7 +237,7 @@ impl Scene {
                 continue;
             }
             if self.resident.len() >= self.capacity && !self.evict() {
-                self.full = true;
+                self.full_at = Some(self.frame);
                 continue;
             }
             let layer = loaded.texture.as_ref().and_then(|_| self.textures.claim());
