@@ -3,6 +3,9 @@
 // they compute the same bits and no crack can open.
 #include "frame.glsl"
 
+// Factor on depth, above 1 for lines: they are drawn over the surface they lie on, and lines and triangles round differently.
+layout(constant_id = 0) const float DEPTH_LIFT = 1.0;
+
 layout(scalar, binding = 4) readonly buffer View { FrameView view; };
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 
@@ -23,5 +26,5 @@ void main() {
     out_place = place;
     out_grid = vec2(grid % row, grid / row);
     out_patch = number;
-    gl_Position = clip;
+    gl_Position = vec4(clip.xy, clip.z * DEPTH_LIFT, clip.w);
 }

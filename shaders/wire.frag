@@ -1,5 +1,5 @@
 #version 460
-// Lines of the wireframe: dark over bright ground and bright over dark, thin enough to see both.
+// Lines of the wireframe: dark and half transparent, so that the shading stays readable below them.
 layout(location = 0) out vec4 out_color;
 layout(location = 0) in vec3 in_place;
 layout(location = 1) in vec2 in_grid;

@@ -14,6 +14,9 @@ use terrane_planet::layout::EmitState;
 /// Byte offset of the indirect draw in the emit state.
 const ARGUMENTS_OFFSET: u64 = std::mem::offset_of!(EmitState, index_count) as u64;
 
+/// Factor on the reversed depth of lines: they win against the surface they lie on, and against nothing a thousandth nearer.
+const LINE_LIFT: f32 = 1.001;
+
 /// The stage's pipelines.
 pub(super) struct Draw {
     fill: GraphicsPipeline,
@@ -33,6 +36,8 @@ impl Draw {
         description.polygon = vk::PolygonMode::LINE;
         description.depth = Some(DepthTest { compare: vk::CompareOp::GREATER_OR_EQUAL, write: false });
         description.blend = Blend::Alpha;
+        let lift = [(0, LINE_LIFT.to_bits())];
+        description.specialization = &lift;
         let lines = GraphicsPipeline::new(context, "draw lines", &description)?;
         Ok(Draw { fill, lines })
     }
