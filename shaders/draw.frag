@@ -20,20 +20,22 @@ struct Ground {
     float shore;
 };
 
-Ground fetch(uint layer, vec2 grid) {
+Ground fetch(uint layer, vec2 grid, float lod) {
     float side = 2.0 * float(view.cells + TEXTURE_GUTTER);
     vec3 at = vec3((2.0 * grid + float(TEXTURE_GUTTER)) / side, float(layer));
-    vec4 color = texture(albedo, at);
-    return Ground(texture(slopes, at).xy, color.rgb, color.a);
+    vec4 color = textureLod(albedo, at, lod);
+    return Ground(textureLod(slopes, at, lod).xy, color.rgb, color.a);
 }
 
-// The patch's own texture fades in over its parent's by distance, so that no switch of detail is seen.
-Ground ground_of(PatchDraw target, float distance) {
-    Ground own = fetch(target.layer, in_grid);
+// The patch's own texture fades in over its parent's by distance, so that no switch of detail is seen. The mip level comes from
+// distance and slant, not from screen derivatives: those differ between the triangles of one surface, and show its edges.
+Ground ground_of(PatchDraw target, float distance, float slant) {
+    float lod = log2(distance / target.texel_distance) - 0.5 * log2(max(slant, 0.02));
+    Ground own = fetch(target.layer, in_grid, lod);
     float parent_share = smoothstep(0.65, 1.0, distance / target.fade_distance);
     if (target.parent_layer != NO_LAYER && parent_share > 0.0) {
         vec2 grid = 0.5 * (in_grid + float(view.cells) * vec2(target.quarter));
-        Ground parent = fetch(target.parent_layer, grid);
+        Ground parent = fetch(target.parent_layer, grid, lod - 1.0);
         own.slope = mix(own.slope, parent.slope, parent_share);
         own.albedo = mix(own.albedo, parent.albedo, parent_share);
         own.shore = mix(own.shore, parent.shore, parent_share);
@@ -51,7 +53,7 @@ void main() {
     float distance = length(in_place);
     vec3 from_centre = light.camera + in_place;
     vec3 up = normalize(from_centre);
-    Ground ground = ground_of(target, distance);
+    Ground ground = ground_of(target, distance, abs(dot(in_place, up)) / distance);
     vec3 along = normalize(target.grid_axis - up * dot(target.grid_axis, up));
     vec3 normal = normalize(up - along * ground.slope.x - cross(up, along) * ground.slope.y);
 

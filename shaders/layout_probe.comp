@@ -38,6 +38,7 @@ void main() {
     words[at++] = bits(patchdraw.quarter.x);
     words[at++] = bits(patchdraw.quarter.y);
     words[at++] = bits(patchdraw.fade_distance);
+    words[at++] = bits(patchdraw.texel_distance);
     words[at++] = bits(patchdraw.grid_axis.x);
     words[at++] = bits(patchdraw.grid_axis.y);
     words[at++] = bits(patchdraw.grid_axis.z);

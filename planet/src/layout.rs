@@ -102,6 +102,8 @@ gpu_structs! {
         quarter: [u32; 2],
         /// Distance in metres at which its own texture begins to fade in over the parent's.
         fade_distance: f32,
+        /// Distance in metres at which one of its texels covers one pixel.
+        texel_distance: f32,
         /// Cube axis that the face's first grid coordinate follows.
         grid_axis: [f32; 3],
     }

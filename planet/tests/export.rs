@@ -149,9 +149,6 @@ fn read_glb(bytes: &[u8]) -> Read {
     }
 }
 
-/// Reads a written file back.
-type Reader = fn(&[u8]) -> Read;
-
 #[test]
 fn whole_planets_are_closed_in_every_format() {
     let tiny = Tiny::new();

@@ -22,6 +22,7 @@ struct PatchDraw {
     uint parent_layer;
     uvec2 quarter;
     float fade_distance;
+    float texel_distance;
     vec3 grid_axis;
 };
 

@@ -5,7 +5,7 @@
 
 use crate::scene::{ResidentPatch, Scene};
 use terrane_planet::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_LAYER, RESOLVE_CHUNK, SELECT_CHUNK};
-use terrane_planet::reference::cut::{distance_to_box, is_visible, texture_distance, Cut, Leaf};
+use terrane_planet::reference::cut::{distance_to_box, is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
 use terrane_planet::view::View;
 
 /// The tables of one frame.
@@ -58,6 +58,7 @@ impl FrameTables {
             parent_layer: parent.and_then(|p| scene.resident(p)).and_then(|p| p.layer).unwrap_or(NO_LAYER),
             quarter: [leaf.id.x % 2, leaf.id.y % 2],
             fade_distance: fade as f32,
+            texel_distance: (TEXEL_PIXELS * texture_distance(scene.tree(), view, leaf.id.level) * scene.tree().lattice.unit) as f32,
             grid_axis,
         });
         self.leaves.push(leaf);
