@@ -41,7 +41,8 @@ impl FrameTables {
     fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, patch: &ResidentPatch) {
         let level = patch.level_for(distance_to_box(view, &patch.bounds), view.scale);
         let parent = leaf.id.parent();
-        let fade = parent.map_or(f64::MAX, |p| texture_distance(scene.tree(), view, p.level) * scene.tree().lattice.unit);
+        let metres = |level: u8| texture_distance(scene.tree(), view, level) * scene.tree().lattice.unit;
+        let fade = parent.map_or(f64::MAX, |p| metres(p.level));
         let number = self.patches.len() as u32;
         let mut grid_axis = [0.0; 3];
         grid_axis[leaf.id.face.grid_axes().0] = 1.0;
@@ -58,7 +59,7 @@ impl FrameTables {
             parent_layer: parent.and_then(|p| scene.resident(p)).and_then(|p| p.layer).unwrap_or(NO_LAYER),
             quarter: [leaf.id.x % 2, leaf.id.y % 2],
             fade_distance: fade as f32,
-            texel_distance: (TEXEL_PIXELS * texture_distance(scene.tree(), view, leaf.id.level) * scene.tree().lattice.unit) as f32,
+            texel_distance: (TEXEL_PIXELS * metres(leaf.id.level)) as f32,
             grid_axis,
         });
         self.leaves.push(leaf);
