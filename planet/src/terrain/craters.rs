@@ -185,22 +185,6 @@ impl Class {
         (spans.iter().all(|&s| s <= FEW_CELLS) && spans.iter().product::<i64>() <= FEW_CELLS).then_some([from, to])
     }
 
-    #[cfg(target_arch = "x86_64")]
-    #[target_feature(enable = "avx2")]
-    fn add_lanes_avx2(&self, p: &Points, mask: &Lane, out: &mut Lane) {
-        self.add_lanes(p, mask, out);
-    }
-
-    /// The same bits with or without wide instructions: see [`super::noise::noise_at`].
-    fn add(&self, p: &Points, mask: &Lane, out: &mut Lane) {
-        #[cfg(target_arch = "x86_64")]
-        if std::is_x86_feature_detected!("avx2") {
-            // SAFETY: the processor has AVX2, as just detected.
-            return unsafe { self.add_lanes_avx2(p, mask, out) };
-        }
-        self.add_lanes(p, mask, out);
-    }
-
     /// Brightness of rays at a point, 0 to 1.
     fn rays(&self, x: f64, y: f64, z: f64, reach2: f64) -> f64 {
         let mut bright: f64 = 0.0;
@@ -221,6 +205,12 @@ impl Class {
         }
         bright.min(1.0)
     }
+}
+
+/// The same bits with or without wide instructions: see [`super::noise::noise_at`].
+#[multiversion::multiversion(targets("x86_64+avx2"))]
+fn add_class(class: &Class, p: &Points, mask: &Lane, out: &mut Lane) {
+    class.add_lanes(p, mask, out);
 }
 
 impl Craters {
@@ -244,7 +234,7 @@ impl Craters {
             *m = self.recipe.below + (1.0 - self.recipe.below) * *m;
         }
         for class in &self.classes {
-            class.add(p, &mask, out);
+            add_class(class, p, &mask, out);
         }
     }
 

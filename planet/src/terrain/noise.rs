@@ -151,20 +151,10 @@ fn noise_lanes(lattice: &Lattice, p: &Points, out: &mut Lane) {
     }
 }
 
-#[cfg(target_arch = "x86_64")]
-#[target_feature(enable = "avx2")]
-fn noise_lanes_avx2(lattice: &Lattice, p: &Points, out: &mut Lane) {
-    noise_lanes(lattice, p, out);
-}
-
 /// Gradient noise at every point of the chunk. The wider instructions give the same bits: the compiler never contracts
 /// or reorders float operations, and fused multiply-add is not enabled.
+#[multiversion::multiversion(targets("x86_64+avx2"))]
 pub(crate) fn noise_at(lattice: &Lattice, p: &Points, out: &mut Lane) {
-    #[cfg(target_arch = "x86_64")]
-    if std::is_x86_feature_detected!("avx2") {
-        // SAFETY: the processor has AVX2, as just detected.
-        return unsafe { noise_lanes_avx2(lattice, p, out) };
-    }
     noise_lanes(lattice, p, out);
 }
 
