@@ -52,7 +52,8 @@ impl Drop for Owned {
 /// An X server on a display number that it finds by itself. None if there is no Xvfb.
 fn display() -> Option<(Owned, String)> {
     let mut command = Command::new("Xvfb");
-    command.args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp"]);
+    // Without -noreset the server starts over whenever its last client leaves, and drops whoever is just coming.
+    command.args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp", "-noreset"]);
     let mut server = Owned(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().ok()?);
     let mut stdout = server.0.stdout.take().unwrap();
     let mut number = String::new();
@@ -86,7 +87,11 @@ impl Hand {
                 hand.does(&["windowfocus", "--sync", window]);
                 return hand;
             }
-            assert!(flight.0.try_wait().unwrap().is_none(), "it ended before its window came");
+            if flight.0.try_wait().unwrap().is_some() {
+                let mut said = String::new();
+                let _ = flight.0.stderr.take().unwrap().read_to_string(&mut said);
+                panic!("it ended before its window came: {said}");
+            }
             assert!(begun.elapsed() < PATIENCE, "no window");
             std::thread::sleep(Duration::from_millis(50));
         }
