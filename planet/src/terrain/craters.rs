@@ -299,7 +299,7 @@ mod tests {
         for (diameter_m, spread) in [(300.0, 900.0), (20.0, 60.0), (20.0, 900.0), (2.0, 900.0)] {
             let (class, p) = (class(diameter_m), points(spread));
             let (mut wide, mut narrow) = ([0.0; LANES], [0.0; LANES]);
-            class.add(&p, &[1.0; LANES], &mut wide);
+            add_class(&class, &p, &[1.0; LANES], &mut wide);
             class.add_lanes(&p, &[1.0; LANES], &mut narrow);
             assert_eq!(wide, narrow);
             assert!(wide.iter().any(|&h| h != 0.0), "no crater of {diameter_m} m in {spread} m");
