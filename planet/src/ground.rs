@@ -2,8 +2,9 @@
 
 use crate::lattice::Lattice;
 use crate::patch::PatchId;
-use crate::sphere::{direction, normalise, warp_component, CubePoint};
+use crate::sphere::{direction, normalise, warp_component, CubePoint, Face};
 use glam::{DVec3, IVec3};
+use std::ops::RangeInclusive;
 
 /// Terrain as a pure function of direction. Implementations use only exactly rounded operations, so that every machine
 /// computes the same bytes, and give the same bits however the directions are grouped into calls.
@@ -87,6 +88,38 @@ impl Ground<'_> {
     }
 }
 
+/// The directions of a patch's samples, with the warp evaluated once a column and once a row.
+pub struct WarpedGrid {
+    /// Warped face coordinates of the columns.
+    pub columns: Vec<f64>,
+    /// Warped face coordinates of the rows.
+    pub rows: Vec<f64>,
+    face: Face,
+}
+
+impl WarpedGrid {
+    /// The samples of a patch at the given steps along both sides, `parts` steps being a whole side.
+    pub fn new(id: PatchId, steps: RangeInclusive<i32>, parts: u32) -> WarpedGrid {
+        let (u, v) = id.face.grid_axes();
+        WarpedGrid {
+            columns: steps.clone().map(|a| warp_component(id.point(a, 0, parts)[u])).collect(),
+            rows: steps.map(|b| warp_component(id.point(0, b, parts)[v])).collect(),
+            face: id.face,
+        }
+    }
+
+    /// Unit direction of the sample in a column and a row, the same bits as [`direction`] of its cube point.
+    #[inline]
+    pub fn direction(&self, column: usize, row: usize) -> DVec3 {
+        let (u, v) = self.face.grid_axes();
+        let mut point = [0.0; 3];
+        point[u] = self.columns[column];
+        point[v] = self.rows[row];
+        point[self.face.normal_axis()] = f64::from(self.face.sign());
+        normalise(point[0], point[1], point[2])
+    }
+}
+
 /// All height samples of one patch: every half cell of the patch and [`GUTTER`] half cells beyond each side.
 pub struct HeightGrid {
     /// Samples a side.
@@ -97,8 +130,8 @@ pub struct HeightGrid {
     pub heights: Vec<i32>,
     /// Directions of the samples, row by row.
     pub directions: Vec<DVec3>,
-    /// Warped face coordinates of the columns and of the rows.
-    pub warped: [Vec<f64>; 2],
+    /// Columns and rows of the samples.
+    pub warped: WarpedGrid,
 }
 
 impl HeightGrid {
@@ -107,23 +140,11 @@ impl HeightGrid {
         let parts = 2 * ground.cells;
         let range = -GUTTER..=parts as i32 + GUTTER;
         let side = (parts as i32 + 2 * GUTTER + 1) as usize;
-        let (u, v) = id.face.grid_axes();
-        let w = id.face.normal_axis();
-        let columns: Vec<f64> = range.clone().map(|a| warp_component(id.point(a, 0, parts)[u])).collect();
-        let rows: Vec<f64> = range.map(|b| warp_component(id.point(0, b, parts)[v])).collect();
-        let mut directions = Vec::with_capacity(side * side);
-        for &y in &rows {
-            for &x in &columns {
-                let mut point = [0.0; 3];
-                point[u] = x;
-                point[v] = y;
-                point[w] = f64::from(id.face.sign());
-                directions.push(normalise(point[0], point[1], point[2]));
-            }
-        }
+        let warped = WarpedGrid::new(id, range, parts);
+        let directions: Vec<DVec3> = (0..side * side).map(|k| warped.direction(k % side, k / side)).collect();
         let metres = ground.metres(&directions);
         let heights = metres.iter().map(|&h| ground.lattice.quantise_height(h)).collect();
-        HeightGrid { side, metres, heights, directions, warped: [columns, rows] }
+        HeightGrid { side, metres, heights, directions, warped }
     }
 
     /// Index of the sample `a` half cells along and `b` half cells up from the patch's first corner.

@@ -1,6 +1,5 @@
 //! The lattice: exact planet-fixed positions as three `i32`, so that neither CPU nor GPU needs f64 to be free of cracks.
 
-use crate::sphere::{direction, CubePoint};
 use glam::{DVec3, IVec3};
 
 /// Lattice positions stay within ±this many units, so that differences of two of them fit an `i32`.
@@ -43,11 +42,6 @@ impl Lattice {
     pub fn position(&self, direction: DVec3, height: i32) -> IVec3 {
         let r = self.radius + f64::from(height);
         IVec3::new((direction.x * r).round() as i32, (direction.y * r).round() as i32, (direction.z * r).round() as i32)
-    }
-
-    /// The lattice position over a cube point.
-    pub fn position_at(&self, point: CubePoint, height: i32) -> IVec3 {
-        self.position(direction(point), height)
     }
 }
 

@@ -3,6 +3,7 @@
 //!
 //! All members are 32-bit words and blocks use the scalar layout, so Rust's `repr(C)` and GLSL agree without padding.
 
+use crate::ground::WarpedGrid;
 use crate::lattice::Lattice;
 use crate::progressive::PatchMesh;
 use crate::simplify::surface::LEAST_AREA;
@@ -243,10 +244,10 @@ pub enum Mode {
 impl PatchVertex {
     /// The vertices of a patch as the GPU sees them.
     pub fn of_patch(mesh: &PatchMesh, lattice: &Lattice) -> Vec<PatchVertex> {
-        let row = mesh.cells as u16 + 1;
-        let positions = GridDirections::new(mesh);
+        let row = mesh.cells as usize + 1;
+        let grid = WarpedGrid::new(mesh.id, 0..=mesh.cells as i32, mesh.cells);
         let convert = |v: &crate::progressive::Vertex| PatchVertex {
-            position: lattice.position(positions.at(v.grid % row, v.grid / row), v.height).to_array(),
+            position: lattice.position(grid.direction(usize::from(v.grid) % row, usize::from(v.grid) / row), v.height).to_array(),
             grid_own: u32::from(v.grid) | u32::from(v.own.code()) << 16,
             parent_coarser: u32::from(v.parent) | u32::from(v.coarser.code()) << 16,
         };
@@ -261,35 +262,6 @@ impl PatchVertex {
     /// Place of the vertex it collapses into.
     pub fn parent(&self) -> u32 {
         self.parent_coarser & 0xffff
-    }
-}
-
-/// Directions of a patch's grid points, with the warp evaluated once a row and column.
-struct GridDirections {
-    columns: Vec<f64>,
-    rows: Vec<f64>,
-    axes: (usize, usize, usize),
-    sign: f64,
-}
-
-impl GridDirections {
-    fn new(mesh: &PatchMesh) -> Self {
-        let (u, v) = mesh.id.face.grid_axes();
-        let warped = |k: i32, axis: usize| {
-            let point = if axis == u { mesh.id.point(k, 0, mesh.cells) } else { mesh.id.point(0, k, mesh.cells) };
-            crate::sphere::warp_component(point[axis])
-        };
-        let line = |axis: usize| (0..=mesh.cells as i32).map(|k| warped(k, axis)).collect();
-        let sign = f64::from(mesh.id.face.sign());
-        GridDirections { columns: line(u), rows: line(v), axes: (u, v, mesh.id.face.normal_axis()), sign }
-    }
-
-    fn at(&self, i: u16, j: u16) -> glam::DVec3 {
-        let mut point = [0.0; 3];
-        point[self.axes.0] = self.columns[usize::from(i)];
-        point[self.axes.1] = self.rows[usize::from(j)];
-        point[self.axes.2] = self.sign;
-        crate::sphere::normalise(point[0], point[1], point[2])
     }
 }
 

@@ -2,6 +2,8 @@
 
 use crate::lattice::{Lattice, LatticeBox};
 use crate::patch::PatchId;
+use crate::progressive::PatchMesh;
+use crate::store::PatchRecord;
 use crate::{DEVIATION_SHARE, KAPPA};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -19,6 +21,20 @@ pub struct PatchFacts {
     pub deviation: f64,
     /// Largest own wake of its odd vertices on the parent's boundary, lattice units.
     pub odd_wake: f64,
+}
+
+impl From<&PatchMesh> for PatchFacts {
+    fn from(mesh: &PatchMesh) -> PatchFacts {
+        let PatchMesh { id, bounds, heights, deviation, odd_wake, .. } = *mesh;
+        PatchFacts { id, bounds, heights, deviation, odd_wake }
+    }
+}
+
+impl From<&PatchRecord> for PatchFacts {
+    fn from(record: &PatchRecord) -> PatchFacts {
+        let PatchRecord { id, bounds, heights, deviation, odd_wake, .. } = *record;
+        PatchFacts { id, bounds, heights, deviation, odd_wake }
+    }
 }
 
 /// A stored patch within its quadtree.

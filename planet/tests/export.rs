@@ -32,13 +32,7 @@ impl Tiny {
         let region = Region { direction: direction_at(20.0, 30.0), radius_m: 0.0, to_level: 4 };
         let plan = BakePlan::new(planet.recipe.radius, 1, Some(region)).unwrap();
         let meshes: HashMap<_, _> = plan.patches.iter().map(|&id| (id, planet.build(id).0)).collect();
-        let facts = meshes.values().map(|m| PatchFacts {
-            id: m.id,
-            bounds: m.bounds,
-            heights: m.heights,
-            deviation: m.deviation,
-            odd_wake: m.odd_wake,
-        });
+        let facts = meshes.values().map(PatchFacts::from);
         let tree = PatchTree::new(planet.lattice, planet.cells, facts);
         Tiny { planet, tree, meshes }
     }

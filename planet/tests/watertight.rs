@@ -33,13 +33,7 @@ fn planet(field: &TestField, cells: u32) -> Planet {
         }
     }
     let patches: HashMap<_, _> = ids.into_iter().map(|id| (id, load(&ground, id))).collect();
-    let facts = patches.values().map(|(p, _)| PatchFacts {
-        id: p.mesh.id,
-        bounds: p.mesh.bounds,
-        heights: p.mesh.heights,
-        deviation: p.mesh.deviation,
-        odd_wake: p.mesh.odd_wake,
-    });
+    let facts = patches.values().map(|(p, _)| PatchFacts::from(&p.mesh));
     Planet { tree: PatchTree::new(ground.lattice, cells, facts), patches }
 }
 

@@ -20,7 +20,7 @@ use terrane_planet::lattice::Lattice;
 use terrane_planet::patch::PatchId;
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::reference::cut::{cut, Cut};
-use terrane_planet::store::{PatchRecord, PlanetFile, StoreError};
+use terrane_planet::store::{PlanetFile, StoreError};
 use terrane_planet::tree::{PatchFacts, PatchTree};
 use terrane_planet::view::View;
 use thiserror::Error;
@@ -102,7 +102,7 @@ impl Scene {
         if missing > 0 {
             return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
         }
-        let tree = PatchTree::new(planet.lattice, planet.cells, records.iter().map(facts));
+        let tree = PatchTree::new(planet.lattice, planet.cells, records.iter().map(PatchFacts::from));
         // Only textures need a layer for each patch.
         let most = if options.textures { context.limits().max_image_array_layers } else { u32::MAX };
         let capacity = options.capacity.clamp(64, most).min(records.len() as u32);
@@ -259,16 +259,5 @@ impl Scene {
             self.textures.release(layer);
         }
         true
-    }
-}
-
-/// The facts of a stored patch that the cut needs.
-pub fn facts(record: &PatchRecord) -> PatchFacts {
-    PatchFacts {
-        id: record.id,
-        bounds: record.bounds,
-        heights: record.heights,
-        deviation: record.deviation,
-        odd_wake: record.odd_wake,
     }
 }

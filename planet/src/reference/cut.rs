@@ -42,9 +42,14 @@ pub fn texture_distance(tree: &PatchTree, view: &View, level: u8) -> f64 {
 
 /// Lower bound of the selection distance (to the eye, plus falloff times distance outside the frustum) over a box.
 pub fn distance_to_box(view: &View, bounds: &LatticeBox) -> f64 {
+    let (nearest, outside) = nearest_and_outside(view, bounds);
+    nearest + view.falloff * outside
+}
+
+/// Distance from the eye to a box, and how far the whole box lies outside the frustum, at least.
+fn nearest_and_outside(view: &View, bounds: &LatticeBox) -> (f64, f64) {
     let (low, high) = (bounds.low.as_dvec3() - view.eye, bounds.high.as_dvec3() - view.eye);
-    let nearest = DVec3::ZERO.clamp(low, high).length();
-    nearest + view.falloff * outside_by(view, low, high)
+    (DVec3::ZERO.clamp(low, high).length(), outside_by(view, low, high))
 }
 
 /// How far the whole box (relative to the eye) lies outside the frustum, at least.
@@ -82,9 +87,7 @@ impl Search<'_> {
 
     /// Distance over split distance: below 1 the patch splits, for its geometry's or for its texture's sake.
     fn urgency(&self, level: u8, node: &PatchNode) -> f64 {
-        let (low, high) = (node.bounds.low.as_dvec3() - self.view.eye, node.bounds.high.as_dvec3() - self.view.eye);
-        let nearest = DVec3::ZERO.clamp(low, high).length();
-        let outside = outside_by(self.view, low, high);
+        let (nearest, outside) = nearest_and_outside(self.view, &node.bounds);
         let geometry = (nearest + self.view.falloff * outside) / (self.view.scale * node.split_wake);
         let texture = (nearest + TEXTURE_FALLOFF * outside) / texture_distance(self.tree, self.view, level);
         geometry.min(texture)
@@ -139,8 +142,7 @@ pub fn at_data_rim(tree: &PatchTree, leaf: &Leaf) -> bool {
 
 /// Whether any of a patch can be seen: inside the frustum, and not wholly below the horizon of the planet's lowest ground.
 pub fn is_visible(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
-    let (low, high) = (node.bounds.low.as_dvec3() - view.eye, node.bounds.high.as_dvec3() - view.eye);
-    outside_by(view, low, high) <= 0.0 && !below_horizon(tree, view, node)
+    nearest_and_outside(view, &node.bounds).1 <= 0.0 && !below_horizon(tree, view, node)
 }
 
 fn below_horizon(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {

@@ -146,14 +146,15 @@ impl<'a> GnomonicPlane<'a> {
     fn new(ground: &Ground, grid: &'a HeightGrid) -> Self {
         let parts = 2 * ground.cells as usize;
         let first = crate::ground::GUTTER as usize;
-        let origin = [0, 1].map(|k| grid.warped[k][first]);
-        let scale = [0, 1].map(|k| f64::from(ground.cells) / (grid.warped[k][first + parts] - origin[k]));
+        let lines = [&grid.warped.columns, &grid.warped.rows];
+        let origin = lines.map(|line| line[first]);
+        let scale = lines.map(|line| f64::from(ground.cells) / (line[first + parts] - line[first]));
         GnomonicPlane { grid, radius: ground.lattice.radius, origin, scale }
     }
 
     fn sample(&self, a: i32, b: i32) -> Sample {
         let index = |k: i32| (k + crate::ground::GUTTER) as usize;
-        let (x, y) = (self.grid.warped[0][index(a)], self.grid.warped[1][index(b)]);
+        let (x, y) = (self.grid.warped.columns[index(a)], self.grid.warped.rows[index(b)]);
         let slant = (1.0 + x * x + y * y).sqrt();
         let radius = self.radius + f64::from(self.grid.height(a, b));
         // depth = radius / slant; q = R / depth; radius error = slant |R/q' - R/q| = slant R |q - q'| / (q q').

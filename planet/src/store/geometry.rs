@@ -37,15 +37,19 @@ pub(super) fn cells_are_valid(cells: u32) -> bool {
 /// The record of a mesh, or which of the builder's promises it breaks (nothing is stored that could not be read back).
 pub fn encode(mesh: &PatchMesh) -> Result<Vec<u8>, RecordError> {
     validate(mesh)?;
-    let numbers = [
+    Ok(write(mesh, &streams(mesh)))
+}
+
+/// The numbers of a mesh's streams, in the order of [`STREAMS`].
+fn streams(mesh: &PatchMesh) -> [Vec<u32>; STREAMS.len()] {
+    [
         wake_steps(mesh),
         grid_positions(mesh),
         parents(mesh),
         deficits(mesh, |v| v.own),
         deficits(mesh, |v| v.coarser),
         residuals(mesh),
-    ];
-    Ok(write(mesh, &numbers))
+    ]
 }
 
 /// The record of a mesh's measures and of the numbers of its streams.
@@ -259,17 +263,6 @@ mod tests {
             deviation: 0.5,
             odd_wake: f64::INFINITY,
         }
-    }
-
-    fn streams(mesh: &PatchMesh) -> [Vec<u32>; STREAMS.len()] {
-        [
-            wake_steps(mesh),
-            grid_positions(mesh),
-            parents(mesh),
-            deficits(mesh, |v| v.own),
-            deficits(mesh, |v| v.coarser),
-            residuals(mesh),
-        ]
     }
 
     /// Decodes a sound envelope around streams of which one was changed.

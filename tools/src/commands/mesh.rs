@@ -7,11 +7,10 @@ use anyhow::Context as _;
 use glam::IVec3;
 use serde_json::json;
 use std::path::PathBuf;
-use terrane::scene::facts;
 use terrane_planet::export::{origin_near, view_surface, Format, Placed};
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
-use terrane_planet::tree::PatchTree;
+use terrane_planet::tree::{PatchFacts, PatchTree};
 use terrane_planet::verify::LoadedPatch;
 use terrane_planet::view::View;
 
@@ -54,7 +53,7 @@ impl Run for Mesh {
         let format = Format::of(&self.out)?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
-        let tree = PatchTree::new(planet.lattice, planet.cells, file.index()?.iter().map(facts));
+        let tree = PatchTree::new(planet.lattice, planet.cells, file.index()?.iter().map(PatchFacts::from));
         let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error);
         let surface = view_surface(&tree, &view, self.whole, |id| file.mesh(id).map(|m| LoadedPatch::new(m, &planet.lattice)))?;
         let origin = match (self.centre, format) {
