@@ -6,6 +6,7 @@ pub mod border;
 pub mod camera_path;
 pub mod export;
 pub mod ground;
+pub mod heightfield;
 pub mod lattice;
 pub mod layout;
 pub mod patch;
