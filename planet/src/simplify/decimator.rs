@@ -5,6 +5,7 @@
 //! errors never add up unseen.
 
 use super::fan::Fan;
+use super::lanes::{Doubles, LANES};
 use super::mesh::{Mesh, NONE};
 use super::samples::{Sample, Samples};
 use super::star::{Candidate, Star};
@@ -18,8 +19,8 @@ pub struct Decimator {
     /// The star gathered last.
     pub star: Star,
     fan: Fan,
-    /// For every sample below the gathered star, its triangle in `fan`.
-    triangles: Vec<u32>,
+    /// Every sample below the gathered star with its triangle in `fan`.
+    triangles: Vec<(u32, u32)>,
 }
 
 impl Decimator {
@@ -40,7 +41,7 @@ impl Decimator {
 
     /// The allowed collapse of the gathered vertex that has the least error, to single precision.
     pub fn rank(&mut self, allowed: impl Fn(u32) -> bool) -> Option<Candidate> {
-        self.star.rank(&self.samples, allowed)
+        self.star.rank(allowed)
     }
 
     /// The largest error of the gathered vertex's collapse into `p`, which must see its whole ring. `error` is that of a
@@ -57,11 +58,16 @@ impl Decimator {
         }
         self.triangles.clear();
         let mut worst = 0.0f64;
-        for &s in &self.star.below {
-            let sample = self.samples.at(s);
-            let (triangle, depth) = self.fan.locate(&sample);
-            self.triangles.push(triangle as u32);
-            worst = worst.max(error(s, &sample, depth));
+        for numbers in self.star.below() {
+            // Spare lanes stand at the apex: any place inside the fan does.
+            let samples = numbers.map(|s| self.samples.at(if s == NONE { p } else { s }));
+            let (triangles, depths) = self.fan.locate(Doubles(samples.map(|s| s.x)), Doubles(samples.map(|s| s.y)));
+            for lane in 0..LANES {
+                if numbers[lane] != NONE {
+                    worst = worst.max(error(numbers[lane], &samples[lane], depths.0[lane]));
+                    self.triangles.push((numbers[lane], triangles[lane]));
+                }
+            }
         }
         worst
     }
@@ -73,7 +79,7 @@ impl Decimator {
         for &e in &self.star.edges {
             self.mesh.set_first_sample(e, NONE);
         }
-        for (&s, &triangle) in self.star.below.iter().zip(&self.triangles) {
+        for &(s, triangle) in &self.triangles {
             let e = self.star.edges[triangle as usize];
             self.samples.set_next(s, self.mesh.first_sample(e));
             self.mesh.set_first_sample(e, s);

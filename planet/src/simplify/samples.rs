@@ -69,6 +69,14 @@ impl Samples {
         Sample { x: self.columns[usize::from(stored.column)], y: self.rows[usize::from(stored.row)], q: stored.q }
     }
 
+    /// A sample, and the one after it in the list of its triangle.
+    #[inline(always)]
+    pub fn at_and_next(&self, s: u32) -> (Sample, u32) {
+        let stored = &self.stored[s as usize];
+        let (x, y) = (self.columns[usize::from(stored.column)], self.rows[usize::from(stored.row)]);
+        (Sample { x, y, q: stored.q }, stored.next)
+    }
+
     /// The sample after `s` in the list of its triangle.
     #[inline(always)]
     pub fn next(&self, s: u32) -> u32 {
