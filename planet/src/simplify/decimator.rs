@@ -5,9 +5,9 @@
 //! errors never add up unseen.
 
 use super::fan::Fan;
-use super::lanes::{Doubles, LANES};
+use super::lanes::LANES;
 use super::mesh::{Mesh, NONE};
-use super::samples::{Sample, Samples};
+use super::samples::Samples;
 use super::star::{Candidate, Star};
 
 /// A mesh between two collapses, with the samples it approximates.
@@ -45,8 +45,8 @@ impl Decimator {
     }
 
     /// The largest error of the gathered vertex's collapse into `p`, which must see its whole ring. `error` is that of a
-    /// sample (its number and place) where the new triangles have a given depth.
-    pub fn measure(&mut self, p: u32, error: impl Fn(u32, &Sample, f64) -> f64) -> f64 {
+    /// sample, by its number, between two depths: its own and that of the new triangles.
+    pub fn measure(&mut self, p: u32, error: impl Fn(u32, f64, f64) -> f64) -> f64 {
         self.fan.start(&self.samples.at(p));
         let ring = &self.star.ring;
         let pairs = if self.star.closed { ring.len() } else { ring.len() - 1 };
@@ -58,14 +58,13 @@ impl Decimator {
         }
         self.triangles.clear();
         let mut worst = 0.0f64;
-        for numbers in self.star.below() {
-            // Spare lanes stand at the apex: any place inside the fan does.
-            let samples = numbers.map(|s| self.samples.at(if s == NONE { p } else { s }));
-            let (triangles, depths) = self.fan.locate(Doubles(samples.map(|s| s.x)), Doubles(samples.map(|s| s.y)));
+        for chunk in self.star.below() {
+            let (triangles, depths) = self.fan.locate(chunk.x, chunk.y);
             for lane in 0..LANES {
-                if numbers[lane] != NONE {
-                    worst = worst.max(error(numbers[lane], &samples[lane], depths.0[lane]));
-                    self.triangles.push((numbers[lane], triangles[lane]));
+                let number = chunk.numbers[lane];
+                if number != NONE {
+                    worst = worst.max(error(number, chunk.q.0[lane], depths.0[lane]));
+                    self.triangles.push((number, triangles[lane]));
                 }
             }
         }

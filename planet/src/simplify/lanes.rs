@@ -1,7 +1,10 @@
 //! Eight numbers at a time, in a form that compilers turn into vector instructions. The results are the same bits with or
 //! without them: every lane is on its own, and nothing is contracted.
+//!
+//! Plain loops over the lanes throughout: closures through `array::from_fn` or `map` are calls that may stay out of line, and a
+//! function out of line is not compiled for the wider instructions of its caller.
+#![allow(clippy::needless_range_loop, reason = "see above")]
 
-use std::array::from_fn;
 use std::ops::{Add, Mul, Sub};
 
 /// Numbers held together.
@@ -29,14 +32,19 @@ macro_rules! lanes {
             /// Eight numbers in a row.
             #[inline(always)]
             pub(super) fn load(numbers: &[$number], first: usize) -> Self {
-                let row = &numbers[first..first + LANES];
-                Self(from_fn(|lane| row[lane]))
+                let mut lanes = [0.0; LANES];
+                lanes.copy_from_slice(&numbers[first..first + LANES]);
+                Self(lanes)
             }
 
             /// Where this is more than the other.
             #[inline(always)]
             pub(super) fn more_than(self, other: Self) -> $mask {
-                $mask(from_fn(|lane| (0 as $bits).wrapping_sub(<$bits>::from(self.0[lane] > other.0[lane]))))
+                let mut mask = [0; LANES];
+                for lane in 0..LANES {
+                    mask[lane] = (0 as $bits).wrapping_sub(<$bits>::from(self.0[lane] > other.0[lane]));
+                }
+                $mask(mask)
             }
 
             /// The smaller of each two.
@@ -50,8 +58,12 @@ macro_rules! lanes {
             /// `yes` where the mask is set, `no` where it is not.
             #[inline(always)]
             pub(super) fn select(self, yes: $lanes, no: $lanes) -> $lanes {
-                let [yes, no] = [yes, no].map(|lanes| lanes.0.map(<$number>::to_bits));
-                $lanes(from_fn(|lane| <$number>::from_bits(yes[lane] & self.0[lane] | no[lane] & !self.0[lane])))
+                let mut lanes = [0.0; LANES];
+                for lane in 0..LANES {
+                    let (yes, no, mask) = (yes.0[lane].to_bits(), no.0[lane].to_bits(), self.0[lane]);
+                    lanes[lane] = <$number>::from_bits(yes & mask | no & !mask);
+                }
+                $lanes(lanes)
             }
         }
     };
@@ -61,7 +73,11 @@ macro_rules! lanes {
 
             #[inline(always)]
             fn $name(self, other: $lanes) -> $lanes {
-                $lanes(from_fn(|lane| self.0[lane] $symbol other.0[lane]))
+                let mut lanes = [0.0; LANES];
+                for lane in 0..LANES {
+                    lanes[lane] = self.0[lane] $symbol other.0[lane];
+                }
+                $lanes(lanes)
             }
         })*
     };
@@ -73,7 +89,11 @@ lanes!(Doubles of f64, DoubleMask of u64);
 impl Singles {
     #[inline(always)]
     pub(super) fn abs(self) -> Singles {
-        Singles(self.0.map(|n| f32::from_bits(n.to_bits() & 0x7fff_ffff)))
+        let mut lanes = [0.0; LANES];
+        for lane in 0..LANES {
+            lanes[lane] = f32::from_bits(self.0[lane].to_bits() & 0x7fff_ffff);
+        }
+        Singles(lanes)
     }
 
     /// The largest of the eight.
@@ -83,6 +103,18 @@ impl Singles {
         let larger = |a: f32, b: f32| if a > b { a } else { b };
         let half = [larger(n[0], n[4]), larger(n[1], n[5]), larger(n[2], n[6]), larger(n[3], n[7])];
         larger(larger(half[0], half[2]), larger(half[1], half[3]))
+    }
+}
+
+impl Doubles {
+    /// Rounded to single precision.
+    #[inline(always)]
+    pub(super) fn to_singles(self) -> Singles {
+        let mut lanes = [0.0; LANES];
+        for lane in 0..LANES {
+            lanes[lane] = self.0[lane] as f32;
+        }
+        Singles(lanes)
     }
 }
 

@@ -6,7 +6,7 @@
 use super::mesh::NONE;
 
 /// One sample in the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Column, in cells.
     pub x: f64,

@@ -4,7 +4,7 @@
 //! *ranked* in single precision relative to the vertex, eight samples at a time; what is chosen is measured again in double
 //! precision before anything relies on it ([`super::fan`]).
 
-use super::lanes::{Singles, LANES};
+use super::lanes::{Doubles, Singles, LANES};
 use super::mesh::{Mesh, NONE};
 use super::samples::{Sample, Samples};
 use multiversion::multiversion;
@@ -12,17 +12,29 @@ use multiversion::multiversion;
 /// Least doubled area, in grid cells, of a triangle that a collapse may create.
 pub const LEAST_AREA: f64 = 0.05;
 
-/// Eight samples relative to the vertex. Spare lanes hold the vertex itself again, and no number.
+/// Eight samples. Spare lanes have no number, and hold the vertex.
 #[derive(Clone, Copy)]
-struct Chunk {
+pub(super) struct Chunk {
+    pub(super) x: Doubles,
+    pub(super) y: Doubles,
+    pub(super) q: Doubles,
+    pub(super) numbers: [u32; LANES],
+}
+
+const EMPTY: Chunk = Chunk {
+    x: Doubles([0.0; LANES]),
+    y: Doubles([0.0; LANES]),
+    q: Doubles([0.0; LANES]),
+    numbers: [NONE; LANES],
+};
+
+/// The same relative to the vertex.
+#[derive(Clone, Copy)]
+struct Near {
     x: Singles,
     y: Singles,
     q: Singles,
-    numbers: [u32; LANES],
 }
-
-const EMPTY: Chunk =
-    Chunk { x: Singles([0.0; LANES]), y: Singles([0.0; LANES]), q: Singles([0.0; LANES]), numbers: [NONE; LANES] };
 
 /// The ring relative to the vertex, twice and a few lanes more: the ring from any neighbour on is one slice, and so are the
 /// eight neighbours that come some steps after eight others.
@@ -81,8 +93,11 @@ pub struct Star {
     pub ring: Vec<u32>,
     /// Whether the ring closes (it does not on the boundary).
     pub closed: bool,
-    /// The samples below the star, the vertex itself first.
+    /// As many as were ever needed; the first `count` places are in use.
     chunks: Vec<Chunk>,
+    count: usize,
+    origin: Sample,
+    near: Vec<Near>,
     places: Ring,
     /// For every neighbour the error at the vertex alone, infinite if it does not see the whole ring.
     at_vertex: Vec<f32>,
@@ -93,34 +108,38 @@ impl Star {
     /// Gathers the neighbourhood of a living vertex.
     pub fn gather(&mut self, mesh: &Mesh, samples: &Samples, v: u32) {
         self.closed = mesh.walk(v, &mut self.edges, &mut self.ring);
-        let origin = samples.at(v);
-        self.chunks.clear();
-        let mut chunk = EMPTY;
-        chunk.numbers[0] = v;
-        let mut lane = 1;
-        for &e in &self.edges {
-            let mut s = mesh.first_sample(e);
+        self.origin = samples.at(v);
+        self.count = 0;
+        self.add(v, self.origin);
+        for k in 0..self.edges.len() {
+            let mut s = mesh.first_sample(self.edges[k]);
             while s != NONE {
-                if lane == LANES {
-                    self.chunks.push(chunk);
-                    (chunk, lane) = (EMPTY, 0);
-                }
                 let (sample, following) = samples.at_and_next(s);
-                chunk.x.0[lane] = (sample.x - origin.x) as f32;
-                chunk.y.0[lane] = (sample.y - origin.y) as f32;
-                chunk.q.0[lane] = (sample.q - origin.q) as f32;
-                chunk.numbers[lane] = s;
-                lane += 1;
+                self.add(s, sample);
                 s = following;
             }
         }
-        self.chunks.push(chunk);
-        self.places.fill(samples, &self.ring, &origin);
+        while !self.count.is_multiple_of(LANES) {
+            self.add(NONE, self.origin);
+        }
+        self.places.fill(samples, &self.ring, &self.origin);
     }
 
-    /// Numbers of the samples below the star, eight at a time; spare lanes hold [`NONE`].
-    pub(super) fn below(&self) -> impl Iterator<Item = &[u32; LANES]> {
-        self.chunks.iter().map(|chunk| &chunk.numbers)
+    /// The samples below the star, the vertex itself first.
+    pub(super) fn below(&self) -> &[Chunk] {
+        &self.chunks[..self.count / LANES]
+    }
+
+    #[inline(always)]
+    fn add(&mut self, number: u32, sample: Sample) {
+        let (c, lane) = (self.count / LANES, self.count % LANES);
+        if c == self.chunks.len() {
+            self.chunks.push(EMPTY);
+        }
+        let chunk = &mut self.chunks[c];
+        (chunk.x.0[lane], chunk.y.0[lane], chunk.q.0[lane]) = (sample.x, sample.y, sample.q);
+        chunk.numbers[lane] = number;
+        self.count += 1;
     }
 
     /// Length of the longest edge in the plane, in cells.
@@ -134,6 +153,8 @@ impl Star {
         if count < 3 {
             return None;
         }
+        self.near.clear();
+        bring_near(&self.origin, &self.chunks[..self.count / LANES], &mut self.near);
         self.at_vertex.clear();
         errors_at_vertex(&self.places, count, &mut self.at_vertex);
         for (error, &p) in self.at_vertex.iter_mut().zip(&self.ring) {
@@ -151,7 +172,7 @@ impl Star {
             self.at_vertex[k] = f32::INFINITY;
             open_fan(&self.places, k..k + count, &mut self.spokes);
             let apex = [self.places.x[k], self.places.y[k], self.places.q[k]];
-            if let Some(error) = largest_error(apex, &self.spokes, &mut self.chunks, limit) {
+            if let Some(error) = largest_error(apex, &self.spokes, &mut self.near, limit) {
                 best = Some(Candidate { into: self.ring[k], error });
             }
         }
@@ -173,6 +194,17 @@ impl Star {
         }
         least
     }
+}
+
+/// Takes samples relative to the vertex, in single precision.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+fn bring_near(origin: &Sample, chunks: &[Chunk], near: &mut Vec<Near>) {
+    let relative = |numbers: Doubles, origin: f64| (numbers - Doubles::splat(origin)).to_singles();
+    near.extend(chunks.iter().map(|chunk| Near {
+        x: relative(chunk.x, origin.x),
+        y: relative(chunk.y, origin.y),
+        q: relative(chunk.q, origin.q),
+    }));
 }
 
 /// Errors at the vertex (the origin) once it has collapsed into each of its `count` neighbours, infinite for those that do not see
@@ -232,7 +264,7 @@ fn open_fan(ring: &Ring, stretch: std::ops::Range<usize>, spokes: &mut Vec<Spoke
 /// Largest error of a fan over all samples, or `None` once it reaches `limit`. The chunk that was worst moves to the front, where
 /// it stops the next candidate early.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
-fn largest_error(apex: [f32; 3], spokes: &[Spoke], chunks: &mut [Chunk], limit: f32) -> Option<f32> {
+fn largest_error(apex: [f32; 3], spokes: &[Spoke], chunks: &mut [Near], limit: f32) -> Option<f32> {
     let (mut worst, mut worst_chunk) = (0.0f32, 0);
     for (c, chunk) in chunks.iter().enumerate() {
         let largest = errors(apex, spokes, chunk).largest();
@@ -250,7 +282,7 @@ fn largest_error(apex: [f32; 3], spokes: &[Spoke], chunks: &mut [Chunk], limit: 
 
 /// Errors of eight samples: each belongs to the triangle whose two sides from the apex it is furthest inside of.
 #[inline(always)]
-fn errors(apex: [f32; 3], spokes: &[Spoke], chunk: &Chunk) -> Singles {
+fn errors(apex: [f32; 3], spokes: &[Spoke], chunk: &Near) -> Singles {
     let (x, y) = (chunk.x - Singles::splat(apex[0]), chunk.y - Singles::splat(apex[1]));
     let cross = |spoke: &Spoke| Singles::splat(spoke.x) * y - Singles::splat(spoke.y) * x;
     let mut from_a = cross(&spokes[0]);
