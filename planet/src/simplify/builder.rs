@@ -23,6 +23,9 @@ pub struct Hierarchy {
     pub parent: Vec<u32>,
     /// Vertices in order of collapse.
     pub order: Vec<u32>,
+    /// Wake that each vertex's own error and star asked for when it collapsed, without what vertices that depend on it ask for:
+    /// what a selection without dependencies would need. 0 for vertices that never did.
+    pub demand: Vec<f32>,
     /// Counts of what went wrong; all zero unless there is a bug.
     pub faults: Faults,
 }
@@ -75,6 +78,7 @@ pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
         coarser: rules.coarser.clone(),
         parent: (0..count as u32).collect(),
         order: Vec::with_capacity(count),
+        demand: vec![0.0; count],
         faults: Faults::default(),
     };
     let untouched = Entry { reached: 0.0, key: 0.0, into: NONE, queued: false, fresh: false };
@@ -166,7 +170,7 @@ impl Builder<'_> {
         } else {
             let into = self.entries[v as usize].into;
             let error = self.measure(into);
-            self.perform_collapse(v, into, self.interior_wake(v, error).distance());
+            self.perform_collapse(v, into, error, self.interior_wake(v, error));
         }
     }
 
@@ -192,7 +196,8 @@ impl Builder<'_> {
         let ring_sides = decimator.star.ring.iter().filter(|&&r| is_border(r)).fold(0, |all, &r| all | rules.sides[r as usize]);
         let rejected = &self.rejected;
         let joins_sides = |p: u32| is_border(p) && ring_sides & !rules.sides[p as usize] != 0;
-        let best = decimator.rank(|p| !joins_sides(p) && !rejected.contains(&p))?;
+        let leaves_side = |p: u32| rules.sides[v as usize] & !rules.sides[p as usize] != 0;
+        let best = decimator.rank(|p| !joins_sides(p) && !leaves_side(p) && !rejected.contains(&p))?;
         let own = surface.samples.at(v).q;
         Some((best.into, surface.radial_error(v, own, own + f64::from(best.error))))
     }
@@ -210,12 +215,12 @@ impl Builder<'_> {
         self.rejected.clear();
         loop {
             let error = self.measure(into);
-            let wake = self.interior_wake(v, error).distance();
-            if wake > limit {
+            let wake = self.interior_wake(v, error);
+            if wake.distance() > limit {
                 return self.wait(v);
             }
             if self.guard.allows(&self.patch, v, into, self.kappa) {
-                return self.perform_collapse(v, into, wake);
+                return self.perform_collapse(v, into, error, wake);
             }
             self.rejected.push(into);
             let Some((other, estimate)) = self.rank(v) else { return self.wait(v) };
@@ -253,20 +258,22 @@ impl Builder<'_> {
             return;
         }
         let error = self.measure(target);
-        let (certified, propagated) = (self.patch.rules.low[b as usize], self.patch.rules.high[b as usize]);
-        if self.demand(error) > certified * (1.0 + 1e-9) {
+        if self.demand(error) > self.patch.rules.low[b as usize] * (1.0 + 1e-9) {
             self.result.faults.uncertified += 1;
         }
-        self.perform_collapse(b, target, propagated);
+        self.perform_collapse(b, target, error, Wake::ASLEEP);
     }
 
-    /// Collapses the vertex gathered and measured last; `wake` is what it asks of its ring.
-    fn perform_collapse(&mut self, v: u32, into: u32, wake: f64) {
-        if self.patch.kind(v) == Kind::Interior {
-            let rounded = Wake::round_up(wake);
-            self.result.own[v as usize] = rounded;
-            self.result.coarser[v as usize] = rounded;
-        }
+    /// Collapses the vertex gathered and measured last. `interior` is its wake, unless its border gives it one.
+    fn perform_collapse(&mut self, v: u32, into: u32, error: f64, interior: Wake) {
+        let asks = if self.patch.kind(v) == Kind::Interior {
+            self.result.own[v as usize] = interior;
+            self.result.coarser[v as usize] = interior;
+            interior.distance()
+        } else {
+            self.patch.rules.high[v as usize]
+        };
+        self.result.demand[v as usize] = self.demand(error) as f32;
         self.result.parent[v as usize] = into;
         self.result.order.push(v);
         self.patch.decimator.collapse(v, into);
@@ -275,7 +282,7 @@ impl Builder<'_> {
             if self.patch.rules.last[v as usize] && self.patch.rules.sides[r as usize] == 0 {
                 self.patch.rules.kind[r as usize] = Kind::Fixed;
             }
-            let asked = (wake + self.distances[k]) * PROPAGATION_MARGIN;
+            let asked = (asks + self.distances[k]) * PROPAGATION_MARGIN;
             let entry = &mut self.entries[r as usize];
             entry.reached = entry.reached.max(asked);
             entry.fresh = false;
