@@ -7,11 +7,10 @@ use super::border_rules::{BorderRules, Kind};
 use super::decimator::Decimator;
 use super::guard::{Guard, Patch};
 use super::mesh::NONE;
+use super::queue::Queue;
 use super::surface::Surface;
 use crate::border::ROUNDING;
 use crate::wake::{Wake, PROPAGATION_MARGIN};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// The finished hierarchy of one patch, by vertex number.
 pub struct Hierarchy {
@@ -60,7 +59,7 @@ struct Builder<'a> {
     patch: Patch<'a>,
     kappa: f64,
     entries: Vec<Entry>,
-    queue: BinaryHeap<Reverse<u64>>,
+    queue: Queue,
     result: Hierarchy,
     guard: Guard,
     rejected: Vec<u32>,
@@ -86,7 +85,7 @@ pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
         patch: Patch { surface, rules, decimator: Decimator::new(surface.samples.clone(), side, side) },
         kappa,
         entries: vec![untouched; count],
-        queue: BinaryHeap::with_capacity(count),
+        queue: Queue::new(),
         result,
         guard: Guard::default(),
         rejected: Vec::new(),
@@ -103,8 +102,7 @@ impl Builder<'_> {
             self.entries[v as usize].key = self.first_key(v);
             self.enqueue(v);
         }
-        while let Some(Reverse(packed)) = self.queue.pop() {
-            let v = packed as u32;
+        while let Some(v) = self.queue.pop() {
             self.entries[v as usize].queued = false;
             if self.patch.decimator.is_alive(v) {
                 match self.patch.kind(v) {
@@ -125,13 +123,13 @@ impl Builder<'_> {
         }
     }
 
-    /// Puts a vertex into the queue unless it is there. Keys are positive, so their bits order like numbers; ties go by number.
+    /// Puts a vertex into the queue unless it is there.
     fn enqueue(&mut self, v: u32) {
         let kind = self.patch.kind(v);
         let entry = &mut self.entries[v as usize];
         if !entry.queued && kind != Kind::Fixed {
             entry.queued = true;
-            self.queue.push(Reverse(u64::from(entry.key.to_bits()) << 32 | u64::from(v)));
+            self.queue.push(entry.key, 0, v);
         }
     }
 
@@ -156,8 +154,8 @@ impl Builder<'_> {
     /// ring where it has no way to go.
     fn visit_interior(&mut self, v: u32) {
         let entry = &mut self.entries[v as usize];
-        if entry.reached as f32 > entry.key {
-            entry.key = entry.reached as f32;
+        entry.key = entry.key.max(entry.reached as f32);
+        if !self.queue.is_due(entry.key) {
             return self.enqueue(v);
         }
         self.gather(v);
@@ -180,10 +178,9 @@ impl Builder<'_> {
         let Some((into, error)) = self.rank(v) else { return true };
         let key = self.demand(error).max(self.entries[v as usize].reached) as f32;
         let entry = &mut self.entries[v as usize];
-        (entry.into, entry.fresh) = (into, true);
-        let risen = key > entry.key;
+        (entry.into, entry.fresh, entry.key) = (into, true, entry.key.max(key));
+        let risen = !self.queue.is_due(key);
         if risen {
-            entry.key = key;
             self.enqueue(v);
         }
         risen
@@ -225,9 +222,9 @@ impl Builder<'_> {
             self.rejected.push(into);
             let Some((other, estimate)) = self.rank(v) else { return self.wait(v) };
             let key = self.demand(estimate).max(self.entries[v as usize].reached) as f32;
-            let entry = &mut self.entries[v as usize];
-            if key > entry.key * (1.0 + 1e-4) {
+            if !self.queue.is_due(key) {
                 // A worse way than the one it was queued for: its turn comes later.
+                let entry = &mut self.entries[v as usize];
                 (entry.key, entry.fresh) = (key, false);
                 return self.enqueue(v);
             }
@@ -244,7 +241,8 @@ impl Builder<'_> {
     fn border_limit(&self) -> f64 {
         let patch = &self.patch;
         let ring = patch.decimator.star.ring.iter().zip(&self.distances);
-        let limit = |(&r, distance): (&u32, &f64)| patch.rules.low[r as usize] / PROPAGATION_MARGIN - distance * PROPAGATION_MARGIN;
+        let limit =
+            |(&r, distance): (&u32, &f64)| patch.rules.low[r as usize] / PROPAGATION_MARGIN - distance * PROPAGATION_MARGIN;
         ring.filter(|(&r, _)| patch.kind(r) == Kind::Border).map(limit).fold(f64::INFINITY, f64::min)
     }
 

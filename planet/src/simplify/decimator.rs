@@ -5,7 +5,6 @@
 //! errors never add up unseen.
 
 use super::fan::Fan;
-use super::lanes::LANES;
 use super::mesh::{Mesh, NONE};
 use super::samples::Samples;
 use super::star::{Candidate, Star};
@@ -60,12 +59,9 @@ impl Decimator {
         let mut worst = 0.0f64;
         for chunk in self.star.below() {
             let (triangles, depths) = self.fan.locate(chunk.x, chunk.y);
-            for lane in 0..LANES {
-                let number = chunk.numbers[lane];
-                if number != NONE {
-                    worst = worst.max(error(number, chunk.q.0[lane], depths.0[lane]));
-                    self.triangles.push((number, triangles[lane]));
-                }
+            for (lane, &number) in chunk.numbers.iter().enumerate().filter(|&(_, &number)| number != NONE) {
+                worst = worst.max(error(number, chunk.q.0[lane], depths.0[lane]));
+                self.triangles.push((number, triangles[lane]));
             }
         }
         worst

@@ -29,14 +29,6 @@ macro_rules! lanes {
                 Self([number; LANES])
             }
 
-            /// Eight numbers in a row.
-            #[inline(always)]
-            pub(super) fn load(numbers: &[$number], first: usize) -> Self {
-                let mut lanes = [0.0; LANES];
-                lanes.copy_from_slice(&numbers[first..first + LANES]);
-                Self(lanes)
-            }
-
             /// Where this is more than the other.
             #[inline(always)]
             pub(super) fn more_than(self, other: Self) -> $mask {
@@ -87,6 +79,14 @@ lanes!(Singles of f32, SingleMask of u32);
 lanes!(Doubles of f64, DoubleMask of u64);
 
 impl Singles {
+    /// Eight numbers in a row.
+    #[inline(always)]
+    pub(super) fn load(numbers: &[f32], first: usize) -> Singles {
+        let mut lanes = [0.0; LANES];
+        lanes.copy_from_slice(&numbers[first..first + LANES]);
+        Singles(lanes)
+    }
+
     #[inline(always)]
     pub(super) fn abs(self) -> Singles {
         let mut lanes = [0.0; LANES];
@@ -128,6 +128,7 @@ mod tests {
         assert_eq!(a.more_than(b).select(a, b).0, [2.0, 2.0, 3.0, 2.0, 5.0, 2.0, 7.0, 2.0]);
         assert_eq!(a.min(b).0, [1.0, -2.0, 2.0, -4.0, 2.0, -6.0, 2.0, -8.0]);
         assert_eq!((a * b - a).abs().largest(), 8.0);
-        assert_eq!(Doubles::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0], 1).0[7], 8.0);
+        assert_eq!(Singles::load(&[0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0], 1).largest(), 8.0);
+        assert_eq!((Doubles::splat(1.5) - Doubles::splat(0.25)).to_singles(), Singles::splat(1.25));
     }
 }

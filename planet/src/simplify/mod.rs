@@ -14,6 +14,7 @@ pub mod guard;
 mod lanes;
 pub mod mesh;
 pub mod plain;
+mod queue;
 pub mod samples;
 pub mod star;
 pub mod surface;

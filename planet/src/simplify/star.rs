@@ -21,12 +21,8 @@ pub(super) struct Chunk {
     pub(super) numbers: [u32; LANES],
 }
 
-const EMPTY: Chunk = Chunk {
-    x: Doubles([0.0; LANES]),
-    y: Doubles([0.0; LANES]),
-    q: Doubles([0.0; LANES]),
-    numbers: [NONE; LANES],
-};
+const EMPTY: Chunk =
+    Chunk { x: Doubles([0.0; LANES]), y: Doubles([0.0; LANES]), q: Doubles([0.0; LANES]), numbers: [NONE; LANES] };
 
 /// The same relative to the vertex.
 #[derive(Clone, Copy)]
