@@ -60,6 +60,17 @@ fn a_border_edge_has_only_one_of_fl_and_fr() {
 }
 
 #[test]
+fn any_edge_may_collapse_either_way_and_come_back() {
+    let mesh = grid(5, 5);
+    let edges = (0..25).flat_map(|a| (0..25).map(move |b| (a, b)));
+    let possible: Vec<_> = edges.filter(|&(vt, vu)| split_of(&mesh, vt, vu).is_ok()).collect();
+    assert!(possible.len() > 80, "{}", possible.len());
+    possible.into_iter().for_each(|(vt, vu)| {
+        there_and_back(&mesh, vt, vu);
+    });
+}
+
+#[test]
 fn each_of_f0_to_f3_may_be_missing() {
     // The ends of these edges lie next to sides, so that fl or fr lies on one.
     let mesh = grid(3, 3);

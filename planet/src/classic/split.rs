@@ -166,17 +166,22 @@ impl VertexSplit {
         corners.into_iter().find(|&v| v != self.vs && v != self.vu).unwrap_or(NONE)
     }
 
-    /// The faces of vu that outlive the collapse, from f1 clockwise to f3, get the corner `to` for `from`.
+    /// The faces of vu that outlive the collapse get the corner `to` for `from`: from f1 clockwise to f3, or both ways to the
+    /// border if vu lies on one.
     fn move_fan(&self, mesh: &mut FaceMesh, from: u32, to: u32) {
         let [_, f1, _, f3] = self.f;
-        let clockwise = f1 != NONE;
-        let (mut face, last) = if clockwise { (f1, f3) } else { (f3, NONE) };
+        let mut face = f1;
         while let Some(corner) = mesh.corner_in(face, from) {
             mesh.faces[face as usize][corner] = to;
-            if face == last {
-                break;
+            if face == f3 {
+                return;
             }
-            face = if clockwise { mesh.clockwise(face, corner) } else { mesh.counter_clockwise(face, corner) };
+            face = mesh.clockwise(face, corner);
+        }
+        face = f3;
+        while let Some(corner) = mesh.corner_in(face, from) {
+            mesh.faces[face as usize][corner] = to;
+            face = mesh.counter_clockwise(face, corner);
         }
     }
 
