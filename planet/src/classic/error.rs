@@ -2,9 +2,10 @@
 
 use super::split::Refusal;
 use crate::heightfield::Heightfield;
+use crate::simplify::plain::PlainError;
 
 /// Why a progressive mesh cannot be made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ClassicError {
     /// Samples have no height.
     #[error(
@@ -19,6 +20,9 @@ pub enum ClassicError {
         /// Its row, counted from the north.
         row: usize,
     },
+    /// The simplifier of measured errors refuses the field.
+    #[error(transparent)]
+    Simplify(#[from] PlainError),
     /// Parents of half-edge collapses are not one a sample.
     #[error("{found} parents are given for {expected} samples; expected one for each")]
     Parents {

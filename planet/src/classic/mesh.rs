@@ -7,6 +7,7 @@
 
 use super::validate::Violation;
 use crate::heightfield::{Heightfield, TriangleSurface};
+use crate::simplify::mesh::Mesh;
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -58,10 +59,12 @@ impl FaceMesh {
         Ok(mesh)
     }
 
-    /// The full mesh of a heightfield: two triangles a cell, vertex numbers as its samples'.
+    /// The full mesh of a heightfield: the triangles of [`Mesh::grid`], vertex numbers as its samples'.
     pub fn from_heightfield(field: &Heightfield) -> FaceMesh {
+        // Rows run south in samples and north in space, which turns triangles around.
+        let faces = Mesh::grid(field.columns(), field.rows()).faces().map(|[a, b, c]| [a, c, b]).collect();
         let positions: Vec<DVec3> = (0..field.heights().len()).map(|sample| field.position(sample)).collect();
-        FaceMesh::new(positions, grid_faces(field.columns(), field.rows())).expect("a grid is a manifold")
+        FaceMesh::new(positions, faces).expect("a grid is a manifold")
     }
 
     /// Faces that are there.
@@ -135,23 +138,6 @@ impl FaceMesh {
         let faces = self.living_faces().map(|face| self.faces[face as usize].map(|v| number[v as usize])).collect();
         TriangleSurface { positions, faces }
     }
-}
-
-/// Faces of the grid of a heightfield, two a cell, row by row from the north. Diagonals alternate, so that no direction is
-/// preferred.
-pub fn grid_faces(columns: usize, rows: usize) -> Vec<[u32; 3]> {
-    let mut faces = Vec::with_capacity(2 * (columns - 1) * (rows - 1));
-    for row in 0..rows - 1 {
-        for column in 0..columns - 1 {
-            let [north_west, south_west] = [row, row + 1].map(|r| (r * columns + column) as u32);
-            let [north_east, south_east] = [north_west + 1, south_west + 1];
-            faces.extend(match (row + column) % 2 {
-                0 => [[south_west, south_east, north_west], [south_east, north_east, north_west]],
-                _ => [[south_west, south_east, north_east], [south_west, north_east, north_west]],
-            });
-        }
-    }
-    faces
 }
 
 /// Every directed edge with its face and the corner opposite it; removed faces have none.

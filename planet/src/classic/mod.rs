@@ -15,12 +15,13 @@ mod spring;
 mod validate;
 
 pub use error::ClassicError;
-pub use mesh::{grid_faces, FaceMesh, Star, NONE};
+pub use mesh::{FaceMesh, Star, NONE};
 pub use progressive_mesh::ProgressiveMesh;
 pub use split::{Refusal, VertexSplit};
 pub use validate::{euler_characteristic, Violation};
 
 use crate::heightfield::Heightfield;
+use crate::simplify::plain;
 use decimate::Decimation;
 use error::refuse_gaps;
 use outline::Outline;
@@ -28,6 +29,8 @@ use outline::Outline;
 /// What chooses the edge that collapses next.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Cost {
+    /// Measured error: half-edge collapses whose error was measured at every sample that they touch ([`crate::simplify::plain`]).
+    Certified,
     /// Quadric error metrics (Garland and Heckbert 1997): squared distances to the planes of merged faces.
     Quadric,
     /// Anchor springs (after Sklyar): energy of springs to merged vertices, weighted by curvature.
@@ -36,11 +39,12 @@ pub enum Cost {
 
 impl Cost {
     /// All of them.
-    pub const ALL: [Cost; 2] = [Cost::Quadric, Cost::Spring];
+    pub const ALL: [Cost; 3] = [Cost::Certified, Cost::Quadric, Cost::Spring];
 
     /// A word for it.
     pub fn name(self) -> &'static str {
         match self {
+            Cost::Certified => "certified",
             Cost::Quadric => "quadric",
             Cost::Spring => "spring",
         }
@@ -52,7 +56,7 @@ impl Cost {
 /// samples besides the corners.
 ///
 /// # Errors
-/// If samples have no finite height.
+/// If samples have no finite height, or [`Cost::Certified`] finds the field too large.
 pub fn progressive_mesh(
     field: &Heightfield,
     cost: Cost,
@@ -61,6 +65,10 @@ pub fn progressive_mesh(
     refuse_gaps(field)?;
     let (mesh, outline) = (FaceMesh::from_heightfield(field), Outline::of(field));
     Ok(match cost {
+        Cost::Certified => {
+            let collapses = plain::simplify(field)?;
+            ProgressiveMesh::from_half_edge_collapses(field, &collapses.order, &collapses.parent)?
+        }
         Cost::Quadric => {
             let quadrics = quadric::Quadrics::new(&mesh);
             decimated(Decimation::new(mesh, outline, quadrics), progress)

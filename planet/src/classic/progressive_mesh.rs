@@ -75,6 +75,7 @@ impl ProgressiveMesh {
     }
 
     /// Performs the next vertex split; false if the mesh is full.
+    #[allow(clippy::should_implement_trait, reason = "the name that Hoppe gave it; an iterator cannot go back")]
     pub fn next(&mut self) -> bool {
         let Some(split) = self.splits.get(self.done) else { return false };
         self.mesh.positions.push(split.vu_place);
