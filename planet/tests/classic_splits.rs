@@ -1,5 +1,7 @@
 //! Edge collapses, vertex splits and the progressive mesh of half-edge collapses.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use glam::DVec3;
 use proptest::prelude::*;
 use terrane_planet::classic::{euler_characteristic, ClassicError, FaceMesh, ProgressiveMesh, Refusal, VertexSplit, NONE};
