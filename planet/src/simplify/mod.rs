@@ -11,6 +11,7 @@ pub mod builder;
 pub mod decimator;
 pub mod fan;
 pub mod guard;
+mod lanes;
 pub mod mesh;
 pub mod plain;
 pub mod samples;

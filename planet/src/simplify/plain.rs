@@ -178,7 +178,7 @@ impl Simplifier {
 
     fn perform_collapse(&mut self, v: u32) {
         let into = self.entries[v as usize].into;
-        let error = self.decimator.measure(into, |_, sample, depth| (depth - sample.q).abs());
+        let error = self.decimator.measure(into, |_, own, depth| (depth - own).abs());
         self.result.error[v as usize] = error as f32;
         self.result.parent[v as usize] = into;
         self.result.order.push(v);
