@@ -87,6 +87,6 @@ mod tests {
         let (low, high) = field.heights().iter().fold((f32::MAX, f32::MIN), |(l, h), &z| (l.min(z), h.max(z)));
         assert!(high - low > 8.0 && high - low < 20.0, "{low} to {high}");
         let sum = field.heights().iter().fold(0u32, |sum, z| sum.wrapping_mul(31).wrapping_add(z.to_bits()));
-        assert_eq!(sum, study_field(40).heights().iter().fold(0u32, |sum, z| sum.wrapping_mul(31).wrapping_add(z.to_bits())));
+        assert_eq!(sum, 0x7217_e312, "the pictures in docs/study/ and what is said of them are of other ground: {sum:#x}");
     }
 }
