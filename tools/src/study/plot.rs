@@ -30,6 +30,9 @@ fn color(cost: Cost) -> &'static str {
     }
 }
 
+/// Which error a panel shows.
+type Measure = fn(&Deviation) -> f64;
+
 /// Draws the plot.
 pub(crate) fn draw(all: &[Series]) -> String {
     let [width, height] = SIZE;
@@ -38,7 +41,7 @@ pub(crate) fn draw(all: &[Series]) -> String {
          font-family=\"Helvetica, Arial, sans-serif\" font-size=\"13\" fill=\"#222\">\n\
          <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n"
     );
-    let panels: [(&str, fn(&Deviation) -> f64); 2] = [("Largest error", |d| d.max), ("Root mean square error", |d| d.rms)];
+    let panels: [(&str, Measure); 2] = [("Largest error", |d| d.max), ("Root mean square error", |d| d.rms)];
     for (left, (title, error)) in LEFTS.into_iter().zip(panels) {
         let panel = Panel { left };
         panel.axes(&mut svg, title);
@@ -84,7 +87,7 @@ impl Panel {
     }
 
     /// A line as long as it stays on the axes, with dots at the pictured meshes.
-    fn line(&self, svg: &mut String, series: &Series, error: fn(&Deviation) -> f64) {
+    fn line(&self, svg: &mut String, series: &Series, error: Measure) {
         let within = |[low, high]: [f64; 2], value: f64| (low..=high).contains(&value);
         let seen = |&(faces, error): &(usize, f64)| within(FACES, faces as f64) && within(ERRORS, error);
         let points = series.line.iter().map(|(faces, deviation)| (*faces, error(deviation)));
