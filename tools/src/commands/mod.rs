@@ -38,5 +38,6 @@ commands! {
     info => Info,
     mesh => Mesh,
     shot => Shot,
+    study => Study,
     verify => Verify,
 }
