@@ -66,18 +66,15 @@ impl PatchTexture {
     /// Textures of a sampled patch.
     pub fn new(ground: &Ground, colour: &dyn GroundColour, id: PatchId, grid: &HeightGrid) -> PatchTexture {
         let side = texture_side(ground.cells) as usize;
-        let datum = ground.lattice.radius * ground.lattice.unit;
-        let axis = DVec3::AXES[id.face.grid_axes().0].to_array();
-        let (mut lower, mut upper) = (GridRow::new(grid.side), GridRow::new(grid.side));
-        let mut texels = TexelRow::new(side);
+        let frame =
+            Frame { datum: ground.lattice.radius * ground.lattice.unit, axis: DVec3::AXES[id.face.grid_axes().0].to_array() };
         let mut slopes = vec![[0; 2]; side * side];
-        let mut points = Vec::with_capacity(side * side);
-        upper.fill(grid, 0, datum);
-        for (row, slopes) in slopes.chunks_exact_mut(side).enumerate() {
-            std::mem::swap(&mut lower, &mut upper);
-            upper.fill(grid, row + 1, datum);
-            shape_texels([&lower, &upper], axis, &mut texels, slopes);
-            points.extend((0..side).map(|column| texels.point(column)));
+        let mut points = vec![GroundPoint { direction: DVec3::ZERO, height: 0.0, slope: 0.0 }; side * side];
+        for (row, (slopes, points)) in slopes.chunks_exact_mut(side).zip(points.chunks_exact_mut(side)).enumerate() {
+            for first in (0..side).step_by(RUN) {
+                let run = first..(first + RUN).min(side);
+                shape_run(grid, &frame, [first, row], &mut slopes[run.clone()], &mut points[run]);
+            }
         }
         let albedo = albedo(colour, &points, side);
         let above_sea = |p: &GroundPoint| colour.sea_level().map_or(u8::MAX, |level| encode_shore(p.height - level));
@@ -99,49 +96,24 @@ fn albedo(colour: &dyn GroundColour, points: &[GroundPoint], side: usize) -> Vec
     albedo
 }
 
-/// A row of height samples: their places in metres from the planet's centre, one array an axis, and their heights.
-struct GridRow {
-    place: [Vec<f64>; 3],
-    metres: Vec<f64>,
-}
+/// Texels shaped together.
+const RUN: usize = 32;
 
-impl GridRow {
-    fn new(samples: usize) -> GridRow {
-        GridRow { place: [vec![0.0; samples], vec![0.0; samples], vec![0.0; samples]], metres: vec![0.0; samples] }
-    }
-
-    fn fill(&mut self, grid: &HeightGrid, row: usize, datum: f64) {
-        let samples = row * grid.side..(row + 1) * grid.side;
-        self.metres.copy_from_slice(&grid.metres[samples.clone()]);
-        let [x, y, z] = &mut self.place;
-        let places = x.iter_mut().zip(y).zip(z);
-        for (((x, y), z), (d, h)) in places.zip(grid.directions[samples.clone()].iter().zip(&grid.metres[samples])) {
-            let radius = datum + h;
-            (*x, *y, *z) = (d.x * radius, d.y * radius, d.z * radius);
-        }
-    }
-}
-
-/// A row of texels: directions, heights in metres and tangents of the slope angle.
-struct TexelRow {
-    up: [Vec<f64>; 3],
-    metres: Vec<f64>,
-    steepness: Vec<f64>,
-}
-
-impl TexelRow {
-    fn new(texels: usize) -> TexelRow {
-        let zeros = || vec![0.0; texels];
-        TexelRow { up: [zeros(), zeros(), zeros()], metres: zeros(), steepness: zeros() }
-    }
-
-    fn point(&self, k: usize) -> GroundPoint {
-        let direction = DVec3::new(self.up[0][k], self.up[1][k], self.up[2][k]);
-        GroundPoint { direction, height: self.metres[k], slope: self.steepness[k] }
-    }
+/// What the slopes of a patch refer to.
+struct Frame {
+    /// Radius in metres that heights are added to.
+    datum: f64,
+    /// The face's first grid axis.
+    axis: Vector,
 }
 
 type Vector = [f64; 3];
+
+/// One value for each axis, sure to be inlined.
+#[inline(always)]
+fn axes(of: impl Fn(usize) -> f64) -> Vector {
+    [of(0), of(1), of(2)]
+}
 
 #[inline(always)]
 fn dot(a: Vector, b: Vector) -> f64 {
@@ -162,30 +134,44 @@ fn unit(a: Vector) -> Vector {
 /// Direction and slopes of the texel between four places (left and right on the lower row, then on the upper).
 #[inline(always)]
 fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 2]) {
-    let up = unit([0, 1, 2].map(|k| p00[k] + p10[k] + p01[k] + p11[k]));
+    let up = unit(axes(|k| p00[k] + p10[k] + p01[k] + p11[k]));
     let share = dot(axis, up);
-    let first = unit([0, 1, 2].map(|k| axis[k] - up[k] * share));
+    let first = unit(axes(|k| axis[k] - up[k] * share));
     let second = cross(up, first);
-    let normal = cross([0, 1, 2].map(|k| p11[k] - p00[k]), [0, 1, 2].map(|k| p01[k] - p10[k]));
+    let normal = cross(axes(|k| p11[k] - p00[k]), axes(|k| p01[k] - p10[k]));
     let rise = dot(normal, up);
     (up, [-dot(normal, first) / rise, -dot(normal, second) / rise])
 }
 
-/// Fills a row of texels from the rows of samples below and above it. `axis` is the face's first grid axis.
+/// Shapes up to [`RUN`] texels of a row, the first of which lies at `[column, row]`: encoded slopes, and the points whose albedo is
+/// then asked for. Local arrays of constant length, so that the middle loop vectorises; see [`crate::terrain`] for why that
+/// changes no bit.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn shape_texels(rows: [&GridRow; 2], axis: Vector, texels: &mut TexelRow, slopes: &mut [[i8; 2]]) {
-    let count = slopes.len();
-    let samples = |row: &GridRow, k: usize| -> Vector { [row.place[0][k], row.place[1][k], row.place[2][k]] };
-    let [x, y, z] = &mut texels.up;
-    let (x, y, z) = (&mut x[..count], &mut y[..count], &mut z[..count]);
-    for (k, slopes) in slopes.iter_mut().enumerate() {
-        let [lower, upper] = rows;
-        let corners = [samples(lower, k), samples(lower, k + 1), samples(upper, k), samples(upper, k + 1)];
-        let (up, slope) = shape(corners, axis);
-        (x[k], y[k], z[k]) = (up[0], up[1], up[2]);
-        texels.metres[k] = (lower.metres[k] + lower.metres[k + 1] + upper.metres[k] + upper.metres[k + 1]) * 0.25;
-        texels.steepness[k] = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
+fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes: &mut [[i8; 2]], points: &mut [GroundPoint]) {
+    let mut places = [[[0.0; RUN + 1]; 3]; 2];
+    for (r, [x, y, z]) in places.iter_mut().enumerate() {
+        let first = (row + r) * grid.side + column;
+        let samples = first..=first + slopes.len();
+        for (i, (d, h)) in grid.directions[samples.clone()].iter().zip(&grid.metres[samples]).enumerate() {
+            let radius = frame.datum + h;
+            (x[i], y[i], z[i]) = (d.x * radius, d.y * radius, d.z * radius);
+        }
+    }
+    let (mut ups, mut tangents) = ([[0.0; RUN]; 3], [[0.0; RUN]; 2]);
+    for i in 0..RUN {
+        let place = |r: usize, i: usize| axes(|k| places[r][k][i]);
+        let (up, slope) = shape([place(0, i), place(0, i + 1), place(1, i), place(1, i + 1)], frame.axis);
+        (ups[0][i], ups[1][i], ups[2][i]) = (up[0], up[1], up[2]);
+        (tangents[0][i], tangents[1][i]) = (slope[0], slope[1]);
+    }
+    let lower = &grid.metres[row * grid.side + column..];
+    let upper = &grid.metres[(row + 1) * grid.side + column..];
+    for (i, (slopes, point)) in slopes.iter_mut().zip(points).enumerate() {
+        let slope = [tangents[0][i], tangents[1][i]];
         *slopes = [encode_slope(slope[0]), encode_slope(slope[1])];
+        point.direction = DVec3::new(ups[0][i], ups[1][i], ups[2][i]);
+        point.height = (lower[i] + lower[i + 1] + upper[i] + upper[i + 1]) * 0.25;
+        point.slope = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
     }
 }
 
