@@ -5,6 +5,8 @@
 //! each chunk is dispatched once to code for the widest instructions at hand. Those give the same bits: the compiler neither
 //! reorders nor contracts float operations.
 
+#![allow(clippy::needless_range_loop, reason = "a loop over lanes reads and writes several arrays alike")]
+
 mod albedo;
 mod angles;
 mod craters;
