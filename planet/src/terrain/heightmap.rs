@@ -4,7 +4,6 @@
 //! Between pixels: Catmull-Rom (1974), clamped to the image's range.
 
 use super::angles::{atan2, sin_cos};
-use super::octaves::smoothstep;
 use crate::recipe::{self, Placement, Recipe, RecipeError};
 use std::f64::consts::PI;
 use std::io::Cursor;
@@ -35,6 +34,12 @@ enum Place {
         blend_m: f64,
         radius: f64,
     },
+}
+
+/// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
+fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
+    let t = ((v - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
 }
 
 fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
