@@ -41,7 +41,13 @@ pub(super) fn for_each_row(triangle: [DVec3; 3], last: f64, mut visit: impl FnMu
     while y <= end {
         let p = long.at(y);
         // A level side is passed at its other end.
-        let q = if y == middle.y { middle } else if y < middle.y { lower.at(y) } else { upper.at(y) };
+        let q = if y == middle.y {
+            middle
+        } else if y < middle.y {
+            lower.at(y)
+        } else {
+            upper.at(y)
+        };
         if p.x <= q.x {
             visit(y, p, q);
         } else {
