@@ -14,7 +14,7 @@ use terrane_planet::simplify::plain::{simplify, HalfEdgeCollapses};
 const SHARES: [f64; 3] = [0.2, 0.05, 0.01];
 
 /// Bisections of the error that greedy insertion needs for a number of faces.
-const BISECTIONS: usize = 22;
+const BISECTIONS: usize = 10;
 
 fn main() {
     let arguments: Vec<String> = std::env::args().skip(1).collect();
@@ -75,7 +75,7 @@ fn print_row(name: &str, field: &Heightfield, collapses: &HalfEdgeCollapses, sha
     let polished = collapses.polished(field, faces);
     let seconds = start.elapsed().as_secs_f64();
     let raw = collapses.surface(field, collapses.collapses_to(faces));
-    let greedy = greedy(field, faces);
+    let greedy = greedy(field, faces, raw.deviation(field).max);
     let quadrics = quadrics(&collapses.surface(field, 0), faces);
     let [raw, ours, greedy, quadrics] = [raw, polished, greedy, quadrics].map(|surface| surface.deviation(field));
     let pair = |d: Deviation| format!("{:.3} / {:.3}", d.max, d.rms);
@@ -92,9 +92,9 @@ fn print_row(name: &str, field: &Heightfield, collapses: &HalfEdgeCollapses, sha
     );
 }
 
-/// Greedy insertion to a number of faces.
-fn greedy(field: &Heightfield, faces: usize) -> TriangleSurface {
-    let (mut low, mut high) = (0.0, 1000.0);
+/// Greedy insertion to a number of faces, with a largest error from `low` to twice that.
+fn greedy(field: &Heightfield, faces: usize, low: f64) -> TriangleSurface {
+    let (mut low, mut high) = (low, 2.0 * low);
     let mut best = TriangleSurface::default();
     for _ in 0..BISECTIONS {
         let middle = 0.5 * (low + high);

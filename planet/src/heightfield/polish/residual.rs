@@ -9,8 +9,9 @@ use glam::DVec3;
 pub(super) const ASPECT_LIMIT: f64 = 20.0;
 
 /// What a triangle of twice the [`ASPECT_LIMIT`] costs, where a sample with the largest residual costs 1: changes that lower
-/// residuals well below the largest do not make slivers, those that lower the largest may.
-const SLIVER_COST: f64 = 0.02;
+/// residuals well below the largest do not make slivers, those that lower the largest may. A tenth of this leaves twice as many
+/// slivers and wins nothing.
+const SLIVER_COST: f64 = 0.2;
 
 /// Calls `visit(sample, residual)` for every sample that a triangle owns; residuals are surface less field.
 pub(super) fn for_each_residual(triangle: [DVec3; 3], field: &Heightfield, mut visit: impl FnMut(usize, f64)) {
