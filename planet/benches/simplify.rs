@@ -113,7 +113,7 @@ fn greedy_within(field: &Heightfield, error: f64) -> TriangleSurface {
     let heights: Vec<f64> = field.heights().iter().map(|&h| f64::from(h)).collect();
     let size = (field.columns(), field.rows());
     let (vertices, faces) = delatin::triangulate(&heights, size, delatin::Error(error)).expect("a grid of finite heights");
-    let sample = |&(column, row): &(u32, u32)| row as usize * field.columns() + column as usize;
+    let sample = |&(column, row): &(usize, usize)| row * field.columns() + column;
     TriangleSurface {
         positions: vertices.iter().map(|v| field.position(sample(v))).collect(),
         faces: faces.iter().map(|&(a, b, c)| [a as u32, c as u32, b as u32]).collect(),

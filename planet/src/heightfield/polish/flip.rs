@@ -9,7 +9,7 @@ use crate::heightfield::Heightfield;
 /// A flip lowers the cost to less than this share, so that flips end.
 const GAIN: f64 = 0.999;
 
-/// Flips until no edge of a hot face gains, or for so many visits of faces as there are.
+/// Flips until no edge of a hot face gains, or for four visits a hot face.
 pub(super) fn flip_edges(mesh: &mut Triangulation, field: &Heightfield, peaks: &mut [f64]) {
     let top = largest(peaks);
     if top == 0.0 {

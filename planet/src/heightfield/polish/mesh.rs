@@ -284,3 +284,85 @@ pub(super) fn aspect([a, b, c]: [DVec3; 3]) -> f64 {
     let squared = |p: DVec3, q: DVec3| (p.x - q.x) * (p.x - q.x) + (p.y - q.y) * (p.y - q.y);
     squared(a, b).max(squared(b, c)).max(squared(c, a)) / doubled_area([a, b, c])
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A square of 48 cells a side, in two faces.
+    fn square() -> Triangulation {
+        let positions = [(0.0, 0.0), (48.0, 0.0), (48.0, 48.0), (0.0, 48.0)].map(|(x, y)| DVec3::new(x, y, 0.0)).to_vec();
+        Triangulation::new(TriangleSurface { positions, faces: vec![[0, 1, 2], [0, 2, 3]] })
+    }
+
+    fn flaw(mesh: &Triangulation) -> Option<&'static str> {
+        let alive: Vec<u32> = (0..mesh.capacity() as u32).filter(|&t| mesh.is_alive(t)).collect();
+        for edge in alive.iter().flat_map(|t| 3 * t..3 * t + 3) {
+            if let Some(twin) = mesh.twin(edge) {
+                if mesh.twin(twin) != Some(edge) || mesh.origin(twin) != mesh.origin(next(edge)) {
+                    return Some("twin");
+                }
+            }
+            let leaving = mesh.leaving[mesh.origin(edge) as usize];
+            if mesh.origin(leaving) != mesh.origin(edge) {
+                return Some("leaving");
+            }
+        }
+        let area: f64 = alive.iter().map(|&t| doubled_area(mesh.triangle(t))).sum();
+        (area != 2.0 * 48.0 * 48.0).then_some("area")
+    }
+
+    /// The half-edge from one vertex to another.
+    fn edge(mesh: &Triangulation, from: u32, to: u32) -> u32 {
+        let all = (0..3 * mesh.capacity() as u32).filter(|&e| mesh.is_alive(e / 3));
+        all.into_iter().find(|&e| mesh.origin(e) == from && mesh.origin(next(e)) == to).unwrap()
+    }
+
+    #[test]
+    fn a_change_leaves_neighbours_that_do_not_know_each_other() {
+        let mut mesh = square();
+        let at = |x: f64, y: f64| DVec3::new(x, y, 1.0);
+        assert_eq!(flaw(&mesh), None);
+        mesh.split_edge(edge(&mesh, 0, 2), at(24.0, 24.0));
+        assert_eq!((flaw(&mesh), mesh.count()), (None, 4));
+        mesh.split_edge(edge(&mesh, 0, 1), at(20.0, 0.0));
+        assert_eq!((flaw(&mesh), mesh.count()), (None, 5));
+        let added = mesh.split_face(edge(&mesh, 1, 2) / 3, at(40.0, 24.0));
+        assert_eq!((flaw(&mesh), added.len(), mesh.count()), (None, 3, 7));
+        let turned = edge(&mesh, 1, 4);
+        mesh.flip(turned, mesh.twin(turned).unwrap());
+        assert_eq!((flaw(&mesh), mesh.count()), (None, 7));
+        // Vertex 4 is in the middle, 6 beside the eastern side: its collapse to there passes the outline.
+        for (from, to) in [(6, 1), (4, 5)] {
+            let star = mesh.star(from).unwrap();
+            mesh.collapse(edge(&mesh, from, to), &star);
+            assert_eq!(flaw(&mesh), None, "{from} to {to}");
+        }
+        assert_eq!(mesh.count(), 3);
+        mesh.split_face(edge(&mesh, 2, 3) / 3, at(20.0, 40.0));
+        assert_eq!((flaw(&mesh), mesh.count(), mesh.capacity()), (None, 5, 7));
+        assert_eq!(mesh.surface().faces.len(), 5);
+    }
+
+    #[test]
+    fn a_broken_mesh_is_taken_for_whole() {
+        let mut mesh = square();
+        let diagonal = edge(&mesh, 0, 2);
+        mesh.twins[diagonal as usize] = NONE;
+        assert_eq!(flaw(&mesh), Some("twin"));
+        let mut mesh = square();
+        mesh.leaving[1] = edge(&mesh, 0, 1);
+        assert_eq!(flaw(&mesh), Some("leaving"));
+        let mut mesh = square();
+        mesh.positions[1].x = 47.0;
+        assert_eq!(flaw(&mesh), Some("area"));
+    }
+
+    #[test]
+    fn stars_are_open_or_miss_faces() {
+        let mut mesh = square();
+        mesh.split_face(0, DVec3::new(40.0, 20.0, 0.0));
+        assert_eq!(mesh.star(4).map(|star| star.len()), Some(3));
+        assert_eq!(mesh.star(0), None);
+    }
+}
