@@ -42,10 +42,10 @@ const CALM: f64 = 0.9;
 const SWAPPED_SHARE: f64 = 0.06;
 
 /// Most rounds that move vertices elsewhere.
-const SWAP_ROUNDS: usize = 4;
+const SWAP_ROUNDS: usize = 6;
 
-/// A round that lowers the largest error by less than this share is the last.
-const LEAST_GAIN: f64 = 0.003;
+/// As many rounds in a row without a better surface are the last.
+const PATIENCE: usize = 2;
 
 /// Sweeps at the start (p = 8), in every round (p = 16) and at the end (p = 32).
 const FIRST_FIT: Sweeps = Sweeps { doublings: 1, count: 4 };
@@ -60,13 +60,16 @@ pub(crate) fn polish(surface: TriangleSurface, field: &Heightfield, faces: usize
     polish.flip_and_fit(FIRST_FIT);
     polish.grow(faces);
     let mut best = polish.clone();
+    let mut fruitless = 0;
     for _ in 0..SWAP_ROUNDS {
         polish.swap(faces);
-        let gained = polish.top() < (1.0 - LEAST_GAIN) * best.top();
         if polish.top() < best.top() {
             best = polish.clone();
+            fruitless = 0;
+        } else {
+            fruitless += 1;
         }
-        if !gained {
+        if fruitless == PATIENCE {
             break;
         }
     }
