@@ -10,6 +10,8 @@ use rayon::prelude::*;
 /// Where a vertex may go.
 struct Candidate {
     residual: f64,
+    /// Half way between the ground and the surface: at the ground it would pull its neighbourhood too far.
+    height: f64,
     face: u32,
     sample: usize,
 }
@@ -41,9 +43,10 @@ fn worst_sample(mesh: &Triangulation, field: &Heightfield, face: u32) -> Option<
     let triangle = mesh.triangle(face);
     let mut worst: Option<Candidate> = None;
     for_each_residual(triangle, field, |sample, residual| {
+        let height = f64::from(field.heights()[sample]) + 0.5 * residual;
         let residual = residual.abs();
         if worst.as_ref().is_none_or(|w| residual > w.residual) && !triangle.iter().any(|&v| is_at(v, field.position(sample))) {
-            worst = Some(Candidate { residual, face, sample });
+            worst = Some(Candidate { residual, height, face, sample });
         }
     });
     worst
@@ -61,7 +64,7 @@ fn insert(
     changed: &mut Vec<bool>,
     peaks: &mut Vec<f64>,
 ) -> bool {
-    let place = field.position(candidate.sample);
+    let place = field.position(candidate.sample).with_z(candidate.height);
     let [a, b, c] = mesh.triangle(candidate.face);
     let on_edge = [[a, b, place], [b, c, place], [c, a, place]].iter().position(|&part| doubled_area(part) == 0.0);
     let edge = on_edge.map(|k| 3 * candidate.face + k as u32);
