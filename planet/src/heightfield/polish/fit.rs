@@ -2,12 +2,12 @@
 //! with p
 //! rising from call to call. In: a triangulation and the peaks of its faces. Out: both, with the lowest top that was seen.
 //!
-//! Only vertices of faces above the share `hot` of the largest residual move. A sweep takes sums over the samples of each face (on all cores), then adds them up at the
+//! Only vertices of hot faces move. A sweep takes sums over the samples of each face (on all cores), then adds them up at the
 //! vertices in the order of faces, so that the result does not depend on how many cores there are.
 
-use super::largest;
 use super::mesh::{doubled_area, Triangulation};
 use super::residual::Plane;
+use super::{largest, HOT};
 use crate::heightfield::raster::for_each_owned;
 use crate::heightfield::Heightfield;
 use glam::DVec3;
@@ -37,8 +37,8 @@ struct Sums {
     peak: f64,
 }
 
-pub(super) fn fit(mesh: &mut Triangulation, field: &Heightfield, peaks: &mut [f64], hot: f64, sweeps: Sweeps) {
-    let mut active = Active::new(mesh, peaks, hot);
+pub(super) fn fit(mesh: &mut Triangulation, field: &Heightfield, peaks: &mut [f64], sweeps: Sweeps) {
+    let mut active = Active::new(mesh, peaks);
     for _ in 0..sweeps.count {
         active.measure(mesh, field, sweeps.doublings);
         if active.top == 0.0 {
@@ -65,11 +65,11 @@ struct Active {
 }
 
 impl Active {
-    fn new(mesh: &Triangulation, peaks: &[f64], hot: f64) -> Active {
+    fn new(mesh: &Triangulation, peaks: &[f64]) -> Active {
         let top = largest(peaks);
         let alive = || (0..mesh.capacity() as u32).filter(|&t| mesh.is_alive(t));
         let mut moves = vec![false; mesh.positions.len()];
-        for t in alive().filter(|&t| peaks[t as usize] > hot * top) {
+        for t in alive().filter(|&t| peaks[t as usize] > HOT * top) {
             mesh.corners(t).into_iter().for_each(|v| moves[v as usize] = true);
         }
         let faces: Vec<u32> = alive().filter(|&t| mesh.corners(t).into_iter().any(|v| moves[v as usize])).collect();

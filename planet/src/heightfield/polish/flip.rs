@@ -1,21 +1,21 @@
 //! Flips edges of hot faces where that lowers the cost of the two faces beside. In: a triangulation and the peaks of its faces.
 //! Out: both, changed.
 
-use super::largest;
 use super::mesh::{doubled_area, Triangulation};
 use super::residual::{cost, peak};
+use super::{largest, HOT};
 use crate::heightfield::Heightfield;
 
 /// A flip lowers the cost to less than this share, so that flips end.
 const GAIN: f64 = 0.999;
 
 /// Flips until no edge of a hot face gains, or for four visits a hot face.
-pub(super) fn flip_edges(mesh: &mut Triangulation, field: &Heightfield, peaks: &mut [f64], hot: f64) {
+pub(super) fn flip_edges(mesh: &mut Triangulation, field: &Heightfield, peaks: &mut [f64]) {
     let top = largest(peaks);
     if top == 0.0 {
         return;
     }
-    let mut flips = Flips { costs: vec![f64::NAN; peaks.len()], mesh, field, peaks, top, bar: hot * top };
+    let mut flips = Flips { costs: vec![f64::NAN; peaks.len()], mesh, field, peaks, top };
     let mut waiting: Vec<u32> = (0..flips.peaks.len() as u32).filter(|&t| flips.is_hot(t)).rev().collect();
     let mut visits = 4 * waiting.len();
     while let Some(face) = waiting.pop() {
@@ -34,13 +34,11 @@ struct Flips<'a> {
     /// Costs of faces; NaN where not known.
     costs: Vec<f64>,
     top: f64,
-    /// Faces with a larger residual are hot.
-    bar: f64,
 }
 
 impl Flips<'_> {
     fn is_hot(&self, face: u32) -> bool {
-        self.peaks[face as usize] > self.bar
+        self.peaks[face as usize] > HOT * self.top
     }
 
     fn cost(&mut self, face: u32) -> f64 {

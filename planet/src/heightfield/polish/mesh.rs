@@ -38,7 +38,7 @@ pub(super) fn next(edge: u32) -> u32 {
 
 /// The previous half-edge around the same face.
 pub(super) fn previous(edge: u32) -> u32 {
-    if edge % 3 == 0 {
+    if edge.is_multiple_of(3) {
         edge + 2
     } else {
         edge - 1

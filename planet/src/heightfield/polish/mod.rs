@@ -29,9 +29,6 @@ pub(crate) const START_SHARE: f64 = 0.9;
 /// Faces with a residual above this share of the largest are flipped, and their vertices fitted.
 const HOT: f64 = 0.5;
 
-/// The same for the last rounds, which work on little.
-const HOTTEST: f64 = 0.8;
-
 /// Vertices are inserted where residuals are above this share of the largest.
 const INSERT_ABOVE: f64 = 0.9;
 
@@ -45,7 +42,7 @@ const CALM: f64 = 0.9;
 const SWAPPED_SHARE: f64 = 0.06;
 
 /// Most rounds that move vertices elsewhere.
-const SWAP_ROUNDS: usize = 6;
+const SWAP_ROUNDS: usize = 3;
 
 /// As many rounds in a row without a better surface are the last.
 const PATIENCE: usize = 2;
@@ -54,18 +51,16 @@ const PATIENCE: usize = 2;
 const FIRST_FIT: Sweeps = Sweeps { doublings: 1, count: 4 };
 const ROUND_FIT: Sweeps = Sweeps { doublings: 2, count: 6 };
 const LAST_FIT: Sweeps = Sweeps { doublings: 3, count: 20 };
-const LOCAL_FIT: Sweeps = Sweeps { doublings: 3, count: 8 };
 
 /// Polishes a surface that triangulates the rectangle of `field` with vertices on samples, up to `faces` faces or one less. The
 /// outline and its corners stay where they are in the plane. The largest error may end above that of another surface with as many
 /// faces: compare.
 pub(crate) fn polish(surface: TriangleSurface, field: &Heightfield, faces: usize) -> TriangleSurface {
     let mut polish = Polish::new(surface, field);
-    polish.flip_and_fit(HOT, FIRST_FIT);
+    polish.flip_and_fit(FIRST_FIT);
     polish.grow(faces);
-    let mut best = polish.improve(faces, HOT, ROUND_FIT);
-    fit(&mut best.mesh, field, &mut best.peaks, HOT, LAST_FIT);
-    best = best.improve(faces, HOTTEST, LOCAL_FIT);
+    let mut best = polish.improve(faces);
+    fit(&mut best.mesh, field, &mut best.peaks, LAST_FIT);
     best.mesh.surface()
 }
 
@@ -90,9 +85,9 @@ impl Polish<'_> {
         largest(&self.peaks)
     }
 
-    fn flip_and_fit(&mut self, hot: f64, sweeps: Sweeps) {
-        flip_edges(&mut self.mesh, self.field, &mut self.peaks, hot);
-        fit(&mut self.mesh, self.field, &mut self.peaks, hot, sweeps);
+    fn flip_and_fit(&mut self, sweeps: Sweeps) {
+        flip_edges(&mut self.mesh, self.field, &mut self.peaks);
+        fit(&mut self.mesh, self.field, &mut self.peaks, sweeps);
     }
 
     /// Inserts vertices up to the wanted number of faces, a part at a time because each lowers the need for others.
@@ -104,20 +99,21 @@ impl Polish<'_> {
             }
             let least = if round == GROWTH_ROUNDS { missing } else { missing.div_ceil(3) };
             insert_worst(&mut self.mesh, self.field, &mut self.peaks, least, faces);
-            self.flip_and_fit(HOT, ROUND_FIT);
+            self.flip_and_fit(ROUND_FIT);
         }
     }
 
     /// Rounds of swaps as long as they help; returns the best surface seen.
-    fn improve(mut self, faces: usize, hot: f64, sweeps: Sweeps) -> Self {
+    fn improve(mut self, faces: usize) -> Self {
         let mut best = self.clone();
         let mut fruitless = 0;
         for _ in 0..SWAP_ROUNDS {
-            self.swap(faces, hot, sweeps);
-            fruitless += 1;
+            self.swap(faces);
             if self.top() < best.top() {
                 best = self.clone();
                 fruitless = 0;
+            } else {
+                fruitless += 1;
             }
             if fruitless == PATIENCE {
                 break;
@@ -127,13 +123,13 @@ impl Polish<'_> {
     }
 
     /// Takes vertices from where they are hardly needed to where the error is largest.
-    fn swap(&mut self, faces: usize, hot: f64, sweeps: Sweeps) {
+    fn swap(&mut self, faces: usize) {
         let most = (SWAPPED_SHARE * faces as f64 / 2.0).ceil() as usize;
         let limit = CALM * self.top();
         remove_calm(&mut self.mesh, self.field, &mut self.peaks, limit, most);
         let missing = faces.saturating_sub(self.mesh.count()) / 2;
         insert_worst(&mut self.mesh, self.field, &mut self.peaks, missing, faces);
-        self.flip_and_fit(hot, sweeps);
+        self.flip_and_fit(ROUND_FIT);
     }
 }
 
