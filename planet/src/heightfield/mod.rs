@@ -1,6 +1,8 @@
 //! Plain heightfields: a rectangle of height samples, as elevation models come, and the surfaces that approximate them.
 
 mod deviation;
+pub(crate) mod polish;
+mod raster;
 
 pub use deviation::Deviation;
 
