@@ -26,6 +26,8 @@ enum Outcome {
 }
 
 fn main() -> ExitCode {
+    // `terrane info … | head` ends quietly, as other commands do, instead of panicking.
+    sigpipe::reset();
     let levels = tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| "warn,winit=error".into());
     tracing_subscriber::fmt()
         .with_env_filter(levels)
