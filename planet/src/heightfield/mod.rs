@@ -1,5 +1,8 @@
 //! Plain heightfields: a rectangle of height samples, as elevation models come, and the surfaces that approximate them.
 
+mod fill;
+pub mod import;
+
 use glam::DVec3;
 
 /// A rectangle of heights, row by row, row 0 north and column 0 west, as images and elevation models store them.

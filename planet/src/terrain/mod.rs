@@ -4,7 +4,7 @@
 //! Only + - * / and sqrt on f64, comparisons and integer hashing (DESIGN, section 2).
 
 mod albedo;
-mod angles;
+pub(crate) mod angles;
 mod craters;
 mod heightmap;
 mod noise;
