@@ -36,6 +36,11 @@ impl Heightfield {
         &self.heights
     }
 
+    /// The heights alone.
+    pub fn into_heights(self) -> Vec<f32> {
+        self.heights
+    }
+
     /// Height of a sample.
     ///
     /// # Panics

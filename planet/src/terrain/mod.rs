@@ -48,7 +48,7 @@ impl Terrain {
     /// Prepares a recipe's terrain and decodes its heightmaps.
     ///
     /// # Errors
-    /// If a heightmap is missing among the recipe's assets, damaged, or of the wrong depth, colour type or size.
+    /// If a heightmap is missing among the recipe's assets, damaged, or does not fit what the recipe says about it.
     pub fn new(recipe: &Recipe) -> Result<Self, RecipeError> {
         let step = |(i, layer): (usize, &Layer)| Step::new(recipe, mix(recipe.seed ^ mix(i as u64 + 1)), layer);
         let steps = recipe.layers.iter().enumerate().map(step).collect::<Result<Vec<_>, _>>()?;
