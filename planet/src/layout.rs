@@ -6,7 +6,7 @@
 use crate::ground::WarpedGrid;
 use crate::lattice::Lattice;
 use crate::progressive::PatchMesh;
-use crate::simplify::surface::LEAST_AREA;
+use crate::simplify::star::LEAST_AREA;
 use bytemuck::{Pod, Zeroable};
 use std::fmt::Write;
 

@@ -1,7 +1,10 @@
 //! Plain heightfields: a rectangle of height samples, as elevation models come, and the surfaces that approximate them.
 
+mod deviation;
 mod fill;
 pub mod import;
+
+pub use deviation::Deviation;
 
 use glam::DVec3;
 

@@ -8,7 +8,8 @@ use crate::simplify::mesh::Mesh;
 /// Collapsing in reverse wake order gives the same rings as the builder's own order, since a wake order is another order of the
 /// same dependencies; `None` if a record does not fit that (a damaged or foreign hierarchy).
 pub fn rings(mesh: &PatchMesh) -> Option<Vec<Vec<u16>>> {
-    let mut connectivity = Mesh::grid(mesh.cells);
+    let side = mesh.cells as usize + 1;
+    let mut connectivity = Mesh::grid(side, side);
     let mut place = vec![0u16; mesh.vertices.len()];
     for (k, vertex) in mesh.vertices.iter().enumerate() {
         *place.get_mut(usize::from(vertex.grid))? = k as u16;
@@ -21,7 +22,7 @@ pub fn rings(mesh: &PatchMesh) -> Option<Vec<Vec<u16>>> {
         }
         let v = u32::from(vertex.grid);
         let into = u32::from(mesh.vertices.get(usize::from(vertex.parent))?.grid);
-        connectivity.ring(v, &mut ring);
+        connectivity.walk(v, &mut star, &mut ring);
         if !ring.contains(&into) {
             return None;
         }

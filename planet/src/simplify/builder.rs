@@ -1,10 +1,12 @@
-//! The queue of collapses: always the vertex whose wake is smallest, until only fixed vertices are left.
+//! The queue of collapses of one patch: always the vertex whose wake is smallest, until only fixed vertices are left.
+//!
+//! The queue is lazy. A collapse only marks its ring as changed; a vertex is looked at again when its turn comes, which is about
+//! a third of the work of keeping every key exact. Keys nearly always rise, so a stale one is a lower bound.
 
 use super::border_rules::{BorderRules, Kind};
-use super::fan::Fan;
-use super::guard::Guard;
+use super::decimator::Decimator;
+use super::guard::{Guard, Patch};
 use super::mesh::NONE;
-use super::state::State;
 use super::surface::Surface;
 use crate::border::ROUNDING;
 use crate::wake::{Wake, PROPAGATION_MARGIN};
@@ -36,34 +38,35 @@ pub struct Faults {
     pub uncertified: usize,
 }
 
-/// A collapse chosen for a vertex.
+/// What the queue knows of a vertex.
 #[derive(Clone, Copy)]
-struct Choice {
+struct Entry {
+    /// Wake that the vertices already collapsed ask for.
+    reached: f64,
+    /// Place in the queue, the wake it had when last looked at.
+    key: f32,
+    /// The collapse of least error when last looked at.
     into: u32,
-    error: f64,
+    /// Whether it waits in the queue (once), and not for a change of its ring.
+    queued: bool,
+    /// Whether nothing changed around it since `into` was chosen.
+    fresh: bool,
 }
 
 struct Builder<'a> {
-    state: State<'a>,
+    patch: Patch<'a>,
     kappa: f64,
-    /// Wake that the vertices already collapsed ask of each vertex.
-    reached: Vec<f64>,
-    version: Vec<u32>,
-    queue: BinaryHeap<Reverse<(u64, u32, u32)>>,
+    entries: Vec<Entry>,
+    queue: BinaryHeap<Reverse<u64>>,
     result: Hierarchy,
     guard: Guard,
-    fan: Fan,
-    ring: Vec<u32>,
-    closed: bool,
-    below: Vec<u32>,
-    neighbours: Vec<u32>,
-    star: Vec<u32>,
-    changed: Vec<u32>,
+    rejected: Vec<u32>,
 }
 
 /// Simplifies a patch down to its fixed vertices. `kappa`: radians of error per unit of distance that a wake allows.
 pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
     let count = surface.len();
+    let side = surface.cells as usize + 1;
     let result = Hierarchy {
         own: rules.own.clone(),
         coarser: rules.coarser.clone(),
@@ -71,21 +74,15 @@ pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
         order: Vec::with_capacity(count),
         faults: Faults::default(),
     };
+    let untouched = Entry { reached: 0.0, key: 0.0, into: NONE, queued: false, fresh: false };
     let mut builder = Builder {
-        state: State::new(surface, rules),
+        patch: Patch { surface, rules, decimator: Decimator::new(surface.samples.clone(), side, side) },
         kappa,
-        reached: vec![0.0; count],
-        version: vec![0; count],
-        queue: BinaryHeap::with_capacity(8 * count),
+        entries: vec![untouched; count],
+        queue: BinaryHeap::with_capacity(count),
         result,
         guard: Guard::default(),
-        fan: Fan::default(),
-        ring: Vec::new(),
-        closed: false,
-        below: Vec::new(),
-        neighbours: Vec::new(),
-        star: Vec::new(),
-        changed: Vec::new(),
+        rejected: Vec::new(),
     };
     builder.run();
     builder.result
@@ -93,37 +90,45 @@ pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
 
 impl Builder<'_> {
     fn run(&mut self) {
-        (0..self.reached.len() as u32).for_each(|v| self.enqueue(v));
-        while let Some(Reverse((key, v, version))) = self.queue.pop() {
-            if self.state.is_alive(v) && self.version[v as usize] == version {
-                self.try_collapse(v, f64::from_bits(key));
+        for v in 0..self.entries.len() as u32 {
+            self.entries[v as usize].key = self.first_key(v);
+            self.enqueue(v);
+        }
+        while let Some(Reverse(packed)) = self.queue.pop() {
+            let v = packed as u32;
+            self.entries[v as usize].queued = false;
+            if self.patch.decimator.is_alive(v) {
+                match self.patch.kind(v) {
+                    Kind::Interior => self.visit_interior(v),
+                    Kind::Border => self.visit_border(v),
+                    Kind::Fixed => {}
+                }
             }
         }
         self.count_stuck();
     }
 
-    /// Puts a vertex into the queue with its present wake, if it has any legal collapse.
-    fn enqueue(&mut self, v: u32) {
-        if self.state.kind(v) == Kind::Fixed {
-            return;
-        }
-        self.gather(v);
-        if let Some(choice) = self.choose(v, false) {
-            let key = self.key(v, choice.error);
-            self.queue.push(Reverse((key.to_bits(), v, self.version[v as usize])));
+    /// A lower bound of every interior wake, so that each is looked at before anything collapses.
+    fn first_key(&self, v: u32) -> f32 {
+        match self.patch.kind(v) {
+            Kind::Border => (self.patch.rules.key[v as usize] as f32).min(f32::MAX),
+            _ => 0.0,
         }
     }
 
-    /// Fills ring and samples of a vertex's star.
-    fn gather(&mut self, v: u32) {
-        self.closed = self.state.mesh.ring(v, &mut self.ring);
-        self.below.clear();
-        self.below.push(v);
-        self.state.samples_below_star(v, &mut self.below);
+    /// Puts a vertex into the queue unless it is there. Keys are positive, so their bits order like numbers; ties go by number.
+    fn enqueue(&mut self, v: u32) {
+        let kind = self.patch.kind(v);
+        let entry = &mut self.entries[v as usize];
+        if !entry.queued && kind != Kind::Fixed {
+            entry.queued = true;
+            self.queue.push(Reverse(u64::from(entry.key.to_bits()) << 32 | u64::from(v)));
+        }
     }
 
     fn longest_edge(&self, v: u32) -> f64 {
-        self.ring.iter().map(|&r| self.state.surface.distance(v, r)).fold(0.0, f64::max)
+        let ring = &self.patch.decimator.star.ring;
+        ring.iter().map(|&r| self.patch.surface.distance_squared(v, r)).fold(0.0, f64::max).sqrt()
     }
 
     /// What this vertex's own error and star ask for.
@@ -131,151 +136,153 @@ impl Builder<'_> {
         (error + ROUNDING) / self.kappa + self.longest_edge(v)
     }
 
-    fn key(&self, v: u32, error: f64) -> f64 {
-        match self.state.kind(v) {
-            Kind::Border => self.state.rules.key[v as usize],
-            _ => self.demand(v, error).max(self.reached[v as usize]),
+    fn interior_wake(&self, v: u32, error: f64) -> Wake {
+        Wake::round_up(self.demand(v, error).max(self.entries[v as usize].reached))
+    }
+
+    /// Collapses an interior vertex if it is its turn, puts it back if its key has risen, or leaves it to wait for a change of its
+    /// ring where it has no way to go.
+    fn visit_interior(&mut self, v: u32) {
+        let entry = &mut self.entries[v as usize];
+        if entry.reached as f32 > entry.key {
+            entry.key = entry.reached as f32;
+            return self.enqueue(v);
+        }
+        self.patch.decimator.gather(v);
+        if !self.entries[v as usize].fresh && self.look_again(v) {
+            return;
+        }
+        let beside_border = self.patch.decimator.star.ring.iter().any(|&r| self.patch.kind(r) == Kind::Border);
+        if beside_border {
+            self.collapse_beside_border(v);
+        } else {
+            let into = self.entries[v as usize].into;
+            let error = self.measure(into);
+            self.perform_collapse(v, into, self.interior_wake(v, error).distance());
         }
     }
 
-    /// The legal collapse of least error of the gathered vertex; `guarded` also asks the border guards.
-    fn choose(&mut self, v: u32, guarded: bool) -> Option<Choice> {
-        if self.state.kind(v) == Kind::Border {
-            return self.choose_border(v);
+    /// Ranks the gathered vertex anew; true if that ends its turn.
+    fn look_again(&mut self, v: u32) -> bool {
+        self.rejected.clear();
+        let Some((into, error)) = self.rank(v) else { return true };
+        let key = self.demand(v, error).max(self.entries[v as usize].reached) as f32;
+        let entry = &mut self.entries[v as usize];
+        (entry.into, entry.fresh) = (into, true);
+        let risen = key > entry.key;
+        if risen {
+            entry.key = key;
+            self.enqueue(v);
         }
-        let ring_sides = self
-            .ring
-            .iter()
-            .filter(|&&r| self.state.kind(r) == Kind::Border)
-            .fold(0, |all, &r| all | self.state.rules.sides[r as usize]);
-        let mut best: Option<Choice> = None;
-        for k in 0..self.ring.len() {
-            let p = self.ring[k];
-            let joins_sides = self.state.kind(p) == Kind::Border && ring_sides & !self.state.rules.sides[p as usize] != 0;
-            if joins_sides || !self.state.fan_after(&self.ring, self.closed, p, &mut self.fan) || !self.link_condition(p) {
-                continue;
+        risen
+    }
+
+    /// The legal collapse of least error of the gathered interior vertex, without those rejected, and about its radial error.
+    fn rank(&mut self, v: u32) -> Option<(u32, f64)> {
+        let Patch { rules, decimator, surface } = &mut self.patch;
+        let is_border = |r: u32| rules.kind[r as usize] == Kind::Border;
+        let ring_sides = decimator.star.ring.iter().filter(|&&r| is_border(r)).fold(0, |all, &r| all | rules.sides[r as usize]);
+        let rejected = &self.rejected;
+        let joins_sides = |p: u32| is_border(p) && ring_sides & !rules.sides[p as usize] != 0;
+        let best = decimator.rank(|p| !joins_sides(p) && !rejected.contains(&p))?;
+        let sample = surface.samples.at(v);
+        Some((best.into, surface.radial_error(v, &sample, sample.q + f64::from(best.error))))
+    }
+
+    /// Largest radial error of the gathered vertex's collapse.
+    fn measure(&mut self, into: u32) -> f64 {
+        let surface = self.patch.surface;
+        self.patch.decimator.measure(into, |s, sample, depth| surface.radial_error(s, sample, depth))
+    }
+
+    /// Rules 3 to 5: with border vertices in its ring, a vertex waits for them and must leave them able to fall.
+    fn collapse_beside_border(&mut self, v: u32) {
+        let limit = self.border_limit(v);
+        self.rejected.clear();
+        while let Some((into, estimate)) = self.rank(v) {
+            let key = self.demand(v, estimate).max(self.entries[v as usize].reached) as f32;
+            if key > self.entries[v as usize].key * (1.0 + 1e-4) && !self.rejected.is_empty() {
+                // A worse way than the one it was queued for: its turn comes later.
+                let entry = &mut self.entries[v as usize];
+                (entry.key, entry.fresh) = (key, false);
+                return self.enqueue(v);
             }
-            let limit = best.map_or(f64::INFINITY, |b| b.error);
-            let Some(error) = self.fan.largest_error(self.state.surface, &self.below, limit) else { continue };
-            if !guarded || self.guard.allows(&self.state, v, p, &self.ring, self.kappa) {
-                best = Some(Choice { into: p, error });
+            let error = self.measure(into);
+            let wake = self.interior_wake(v, error).distance();
+            if wake > limit {
+                return self.wait(v);
             }
+            if self.guard.allows(&self.patch, v, into, self.kappa) {
+                return self.perform_collapse(v, into, wake);
+            }
+            self.rejected.push(into);
         }
-        best
+        self.wait(v);
     }
 
-    /// Rule 2: a border vertex falls to its target, once it stands alone between its two line neighbours.
-    fn choose_border(&mut self, b: u32) -> Option<Choice> {
-        let (target, other) = (self.state.rules.target[b as usize], self.state.rules.other[b as usize]);
-        let ready = self.ring.contains(&target) && self.ring.contains(&other);
-        if !ready || !self.state.fan_after(&self.ring, self.closed, target, &mut self.fan) || !self.link_condition(target) {
-            return None;
-        }
-        let error = self.fan.largest_error(self.state.surface, &self.below, f64::INFINITY)?;
-        Some(Choice { into: target, error })
-    }
-
-    /// The common neighbours of the gathered vertex and p are exactly those of the triangles on their edge.
-    fn link_condition(&mut self, p: u32) -> bool {
-        self.state.mesh.ring(p, &mut self.neighbours);
-        let common = self.neighbours.iter().filter(|r| self.ring.contains(r)).count();
-        common == if self.closed { 2 } else { 1 }
+    /// Leaves a vertex out of the queue until its ring changes.
+    fn wait(&mut self, v: u32) {
+        self.entries[v as usize].fresh = false;
     }
 
     /// Rule 3: the largest wake an interior vertex may have while these border vertices are in its ring.
     fn border_limit(&self, v: u32) -> f64 {
-        let limit = |&r: &u32| {
-            self.state.rules.low[r as usize] / PROPAGATION_MARGIN - self.state.surface.distance(v, r) * PROPAGATION_MARGIN
-        };
-        self.ring.iter().filter(|&&r| self.state.kind(r) == Kind::Border).map(limit).fold(f64::INFINITY, f64::min)
+        let patch = &self.patch;
+        let limit =
+            |&r: &u32| patch.rules.low[r as usize] / PROPAGATION_MARGIN - patch.surface.distance(v, r) * PROPAGATION_MARGIN;
+        let ring = &patch.decimator.star.ring;
+        ring.iter().filter(|&&r| patch.kind(r) == Kind::Border).map(limit).fold(f64::INFINITY, f64::min)
     }
 
-    fn interior_wake(&self, v: u32, error: f64) -> Wake {
-        Wake::round_up(self.demand(v, error).max(self.reached[v as usize]))
-    }
-
-    /// Collapses `v` if guards and border wakes allow it now. If not it waits: a change of its ring queues it again.
-    fn try_collapse(&mut self, v: u32, key: f64) {
-        if self.state.kind(v) == Kind::Fixed {
+    /// Rule 2: a border vertex falls to its target, once it stands alone between its two line neighbours.
+    fn visit_border(&mut self, b: u32) {
+        let (target, other) = (self.patch.rules.target[b as usize], self.patch.rules.other[b as usize]);
+        let decimator = &mut self.patch.decimator;
+        decimator.gather(b);
+        let ready = decimator.star.ring.contains(&target) && decimator.star.ring.contains(&other);
+        if !ready || decimator.rank(|p| p == target).is_none() {
             return;
         }
-        self.gather(v);
-        let limit = match self.state.kind(v) {
-            Kind::Interior => self.border_limit(v),
-            _ => f64::INFINITY,
-        };
-        let beside_border = limit < f64::INFINITY;
-        if beside_border {
-            let Some(easiest) = self.choose(v, false) else { return };
-            if self.interior_wake(v, easiest.error).distance() > limit {
-                return;
-            }
+        let error = self.measure(target);
+        let (certified, propagated) = (self.patch.rules.low[b as usize], self.patch.rules.high[b as usize]);
+        if self.demand(b, error) > certified * (1.0 + 1e-9) {
+            self.result.faults.uncertified += 1;
         }
-        let Some(choice) = self.choose(v, true) else { return };
-        if beside_border {
-            let risen = self.key(v, choice.error);
-            if risen > key * (1.0 + 1e-4) {
-                self.queue.push(Reverse((risen.to_bits(), v, self.version[v as usize])));
-                return;
-            }
-            if self.interior_wake(v, choice.error).distance() > limit {
-                return;
-            }
-        }
-        self.perform_collapse(v, choice);
+        self.perform_collapse(b, target, propagated);
     }
 
-    fn perform_collapse(&mut self, v: u32, choice: Choice) {
-        let wake = self.assign_wake(v, choice.error);
-        for &r in &self.ring {
-            let asked = (wake + self.state.surface.distance(v, r)) * PROPAGATION_MARGIN;
-            let reached = &mut self.reached[r as usize];
-            *reached = reached.max(asked);
+    /// Collapses the vertex gathered and measured last; `wake` is what it asks of its ring.
+    fn perform_collapse(&mut self, v: u32, into: u32, wake: f64) {
+        if self.patch.kind(v) == Kind::Interior {
+            let rounded = Wake::round_up(wake);
+            self.result.own[v as usize] = rounded;
+            self.result.coarser[v as usize] = rounded;
         }
-        if self.state.rules.last[v as usize] {
-            for &r in self.ring.iter().filter(|&&r| self.state.rules.sides[r as usize] == 0) {
-                self.state.rules.kind[r as usize] = Kind::Fixed;
-            }
-        }
-        self.result.parent[v as usize] = choice.into;
+        self.result.parent[v as usize] = into;
         self.result.order.push(v);
-        self.state.fan_after(&self.ring, self.closed, choice.into, &mut self.fan);
-        self.state.collapse(v, choice.into, &self.fan, &self.below, &mut self.star);
-        std::mem::swap(&mut self.ring, &mut self.changed);
-        for k in 0..self.changed.len() {
-            let r = self.changed[k];
-            self.version[r as usize] += 1;
+        self.patch.decimator.collapse(v, into);
+        for k in 0..self.patch.decimator.star.ring.len() {
+            let r = self.patch.decimator.star.ring[k];
+            if self.patch.rules.last[v as usize] && self.patch.rules.sides[r as usize] == 0 {
+                self.patch.rules.kind[r as usize] = Kind::Fixed;
+            }
+            let asked = (wake + self.patch.surface.distance(v, r)) * PROPAGATION_MARGIN;
+            let entry = &mut self.entries[r as usize];
+            entry.reached = entry.reached.max(asked);
+            entry.fresh = false;
             self.enqueue(r);
         }
     }
 
-    /// Records the wake of a vertex about to collapse and returns the one to propagate.
-    fn assign_wake(&mut self, v: u32, error: f64) -> f64 {
-        let demand = self.demand(v, error);
-        let (certified, propagated) = match self.state.kind(v) {
-            Kind::Border => (self.state.rules.low[v as usize], self.state.rules.high[v as usize]),
-            _ => {
-                let wake = self.interior_wake(v, error);
-                self.result.own[v as usize] = wake;
-                self.result.coarser[v as usize] = wake;
-                (wake.distance(), wake.distance())
-            }
-        };
-        if demand > certified * (1.0 + 1e-9) {
-            self.result.faults.uncertified += 1;
-        }
-        propagated
-    }
-
     /// What is left stays awake; anything left that no rule fixes is a fault.
     fn count_stuck(&mut self) {
-        for v in 0..self.reached.len() {
-            if self.state.mesh.outgoing[v] == NONE {
+        for v in 0..self.entries.len() {
+            if !self.patch.decimator.is_alive(v as u32) {
                 continue;
             }
             self.result.own[v] = Wake::ALWAYS;
             self.result.coarser[v] = Wake::ALWAYS;
-            match self.state.rules.kind[v] {
+            match self.patch.kind(v as u32) {
                 Kind::Border => self.result.faults.stuck_border += 1,
                 Kind::Interior => self.result.faults.stuck_interior += 1,
                 Kind::Fixed => {}

@@ -5,12 +5,63 @@
 //! keep *visibility* (the link of β is seen from where β falls to) and *certificate* (the fan that b's fall leaves behind keeps
 //! the error that b's canonical wake promises).
 
-use super::border_rules::Kind;
+use super::border_rules::{BorderRules, Kind};
+use super::decimator::Decimator;
 use super::fan::Fan;
-use super::mesh::NONE;
-use super::state::State;
-use super::surface::{area, LEAST_AREA};
+use super::mesh::{next, previous, NONE};
+use super::samples::{area, Sample};
+use super::star::LEAST_AREA;
+use super::surface::Surface;
 use crate::border::ROUNDING;
+
+/// A patch between two collapses.
+pub struct Patch<'a> {
+    /// What it approximates.
+    pub surface: &'a Surface,
+    /// Border rules; kinds change as mid-edge vertices go.
+    pub rules: BorderRules,
+    /// The mesh.
+    pub decimator: Decimator,
+}
+
+impl Patch<'_> {
+    /// Kind of a vertex.
+    pub fn kind(&self, v: u32) -> Kind {
+        self.rules.kind[v as usize]
+    }
+
+    fn sample(&self, v: u32) -> Sample {
+        self.surface.samples.at(v)
+    }
+
+    /// Appends the removed samples below all triangles of `v`'s star.
+    fn samples_below_star(&self, v: u32, below: &mut Vec<u32>) {
+        for e in self.decimator.mesh.star(v) {
+            let mut s = self.decimator.mesh.first_sample(e);
+            while s != NONE {
+                below.push(s);
+                s = self.decimator.samples.next(s);
+            }
+        }
+    }
+
+    /// Triangles (b, x, y) of the star of `b` as they will be after `v` → `p`.
+    fn star_after(&self, b: u32, v: u32, p: u32, star: &mut Vec<(u32, u32)>) {
+        star.clear();
+        let mesh = &self.decimator.mesh;
+        let moved = |x: u32| if x == v { p } else { x };
+        let mut add = |e: u32| {
+            let (x, y) = (moved(mesh.corner(next(e))), moved(mesh.corner(previous(e))));
+            if x != b && y != b && x != y {
+                star.push((x, y));
+            }
+        };
+        mesh.star(b).for_each(&mut add);
+        if p == b {
+            mesh.star(v).for_each(&mut add);
+        }
+    }
+}
 
 /// Scratch space of the guards.
 #[derive(Default)]
@@ -22,18 +73,16 @@ pub struct Guard {
 }
 
 impl Guard {
-    /// Whether v → p leaves every border vertex in `ring` able to fall, visibly and within its wake.
-    pub fn allows(&mut self, state: &State, v: u32, p: u32, ring: &[u32], kappa: f64) -> bool {
-        let is_border = |&b: &u32| state.kind(b) == Kind::Border;
-        if !ring.iter().any(&is_border) {
-            return true;
-        }
+    /// Whether v → p leaves every border vertex in the ring of `v`, which is gathered, able to fall, visibly and within its wake.
+    pub fn allows(&mut self, patch: &Patch, v: u32, p: u32, kappa: f64) -> bool {
+        let is_border = |&b: &u32| patch.kind(b) == Kind::Border;
+        let ring = &patch.decimator.star.ring;
         for &beta in ring.iter().filter(|b| is_border(b)) {
             let mut b = beta;
-            state.star_after(beta, v, p, &mut self.star);
+            patch.star_after(beta, v, p, &mut self.star);
             while is_border(&b) {
-                let target = state.rules.target[b as usize];
-                if !self.sees_link(state, beta, target) {
+                let target = patch.rules.target[b as usize];
+                if !self.sees_link(patch, beta, target) {
                     return false;
                 }
                 b = target;
@@ -44,68 +93,67 @@ impl Guard {
             let mut b = beta;
             while is_border(&b) && !self.passed.contains(&b) {
                 self.passed.push(b);
-                if !self.keeps_certificate(state, b, v, p, kappa) {
+                if !self.keeps_certificate(patch, b, v, p, kappa) {
                     return false;
                 }
-                b = state.rules.target[b as usize];
+                b = patch.rules.target[b as usize];
             }
         }
         true
     }
 
     /// Whether the link edges of `beta` off its line are seen from `target`. `self.star` is beta's star.
-    fn sees_link(&self, state: &State, beta: u32, target: u32) -> bool {
-        let sides = state.rules.sides[beta as usize];
-        let samples = &state.surface.samples;
-        let off_line = |x: u32| state.rules.sides[x as usize] & sides == 0;
-        self.star.iter().all(|&(x, y)| {
-            !(off_line(x) && off_line(y))
-                || area(&samples[target as usize], &samples[x as usize], &samples[y as usize]) > LEAST_AREA
-        })
+    fn sees_link(&self, patch: &Patch, beta: u32, target: u32) -> bool {
+        let sides = patch.rules.sides[beta as usize];
+        let off_line = |x: u32| patch.rules.sides[x as usize] & sides == 0;
+        let target = patch.sample(target);
+        let seen = |x: u32, y: u32| area(&target, &patch.sample(x), &patch.sample(y)) > LEAST_AREA;
+        self.star.iter().all(|&(x, y)| !(off_line(x) && off_line(y)) || seen(x, y))
     }
 
     /// Whether the fan from target(b) over the links of all living line vertices that pass through b has an error within b's wake.
-    fn keeps_certificate(&mut self, state: &State, b: u32, v: u32, p: u32, kappa: f64) -> bool {
-        let longest = self.build_fan(state, b, v, p);
-        let limit = (state.rules.low[b as usize] * (1.0 + 1e-9) - longest) * kappa - ROUNDING;
+    fn keeps_certificate(&mut self, patch: &Patch, b: u32, v: u32, p: u32, kappa: f64) -> bool {
+        let longest = self.build_fan(patch, b, v, p);
+        let limit = (patch.rules.low[b as usize] * (1.0 + 1e-9) - longest) * kappa - ROUNDING;
         if limit < 0.0 {
             return false;
         }
         self.below.push(v);
-        state.samples_below_star(v, &mut self.below);
-        let samples = &state.surface.samples;
-        self.below.iter().all(|&s| self.fan.error_if_covered(&samples[s as usize]).is_none_or(|e| e <= limit))
+        patch.samples_below_star(v, &mut self.below);
+        self.below.iter().all(|&s| {
+            let sample = patch.sample(s);
+            self.fan.depth_if_covered(&sample).is_none_or(|depth| patch.surface.radial_error(s, &sample, depth) <= limit)
+        })
     }
 
     /// Fills `self.fan` and the samples below it (`self.below`); returns the longest edge from b to the fan's rim.
-    fn build_fan(&mut self, state: &State, b: u32, v: u32, p: u32) -> f64 {
-        let (target, other) = (state.rules.target[b as usize], state.rules.other[b as usize]);
-        let line = Line::new(state, b, other);
-        let samples = &state.surface.samples;
-        let side = state.rules.sides[b as usize];
-        let on_line = |x: u32| state.rules.sides[x as usize] & side != 0;
-        let mut longest = state.surface.distance(b, target).max(state.surface.distance(b, other));
+    fn build_fan(&mut self, patch: &Patch, b: u32, v: u32, p: u32) -> f64 {
+        let (target, other) = (patch.rules.target[b as usize], patch.rules.other[b as usize]);
+        let line = Line::new(patch, b, other);
+        let side = patch.rules.sides[b as usize];
+        let on_line = |x: u32| patch.rules.sides[x as usize] & side != 0;
+        let mut longest = patch.surface.distance(b, target).max(patch.surface.distance(b, other));
         let mut closing = (i64::MIN, NONE);
         self.below.clear();
-        self.fan.start(&samples[target as usize]);
+        self.fan.start(&patch.sample(target));
         for i in 1 - line.step..line.step {
             let w = line.vertex(i);
             self.below.push(w);
-            if !state.is_alive(w) {
+            if !patch.decimator.is_alive(w) {
                 continue;
             }
-            state.samples_below_star(w, &mut self.below);
+            patch.samples_below_star(w, &mut self.below);
             if 3 * i.abs() >= line.step {
                 continue;
             }
-            state.star_after(w, v, p, &mut self.star);
+            patch.star_after(w, v, p, &mut self.star);
             for &(x, y) in &self.star {
                 for z in [x, y].into_iter().filter(|&z| !on_line(z)) {
-                    longest = longest.max(state.surface.distance(b, z));
+                    longest = longest.max(patch.surface.distance(b, z));
                 }
                 match (on_line(x), on_line(y)) {
                     (false, false) => {
-                        self.fan.push(&samples[x as usize], &samples[y as usize]);
+                        self.fan.push(&patch.sample(x), &patch.sample(y));
                     }
                     (true, false) if line.index(x) > i => closing = closing.max((i, y)),
                     (false, true) if line.index(y) > i => closing = closing.max((i, x)),
@@ -114,18 +162,18 @@ impl Guard {
             }
         }
         if closing.1 != NONE {
-            self.close_fan(state, target, other, closing.1);
+            self.close_fan(patch, target, other, closing.1);
         }
         longest
     }
 
     /// The last triangle of the fan, between the line and `rim`, whichever way round the side runs.
-    fn close_fan(&mut self, state: &State, target: u32, other: u32, rim: u32) {
-        let [t, o, r] = [target, other, rim].map(|x| &state.surface.samples[x as usize]);
-        if area(t, o, r) > 0.0 {
-            self.fan.push(o, r);
+    fn close_fan(&mut self, patch: &Patch, target: u32, other: u32, rim: u32) {
+        let [t, o, r] = [target, other, rim].map(|x| patch.sample(x));
+        if area(&t, &o, &r) > 0.0 {
+            self.fan.push(&o, &r);
         } else {
-            self.fan.push(r, o);
+            self.fan.push(&r, &o);
         }
     }
 }
@@ -138,8 +186,8 @@ struct Line {
 }
 
 impl Line {
-    fn new(state: &State, b: u32, other: u32) -> Line {
-        let row = i64::from(state.surface.cells) + 1;
+    fn new(patch: &Patch, b: u32, other: u32) -> Line {
+        let row = i64::from(patch.surface.cells) + 1;
         let difference = i64::from(other) - i64::from(b);
         let along_row = difference.abs() < row;
         let stride = if along_row { 1 } else { row } * difference.signum();

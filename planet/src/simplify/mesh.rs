@@ -1,16 +1,16 @@
 //! Triangle connectivity as directed edges (Campagna, Kobbelt and Seidel 1998): face adjacency that supports half-edge
 //! collapses in constant time and without allocation.
 //!
-//! Directed edge `3 t + i` runs from corner i of triangle t to corner i + 1. Vertices on the boundary keep the outgoing edge
-//! that has no opposite, so that walking counter-clockwise from it meets the whole star.
+//! Directed edge `4 t + i` (i = 0, 1, 2) runs from corner i of triangle t to the next corner. Vertices on the boundary keep the
+//! outgoing edge that has no opposite, so that walking counter-clockwise from it meets the whole star.
 
 /// No edge, vertex, triangle or sample.
 pub const NONE: u32 = u32::MAX;
 
 /// The edge after `e` around its triangle.
-#[inline]
+#[inline(always)]
 pub fn next(e: u32) -> u32 {
-    if e % 3 == 2 {
+    if e & 3 == 2 {
         e - 2
     } else {
         e + 1
@@ -18,55 +18,91 @@ pub fn next(e: u32) -> u32 {
 }
 
 /// The edge before `e` around its triangle.
-#[inline]
+#[inline(always)]
 pub fn previous(e: u32) -> u32 {
-    if e.is_multiple_of(3) {
+    if e & 3 == 0 {
         e + 2
     } else {
         e - 1
     }
 }
 
-/// A manifold triangle mesh with boundary.
+/// A triangle and what is known about it, in half a cache line: walks around a vertex touch nothing else.
+#[derive(Clone, Copy, Debug)]
+struct Triangle {
+    /// Start vertices of its directed edges; [`NONE`] once it is removed. The fourth is unused.
+    corner: [u32; 4],
+    /// The directed edges the other way, [`NONE`] on the boundary. The fourth is the first removed sample below the triangle.
+    opposite: [u32; 4],
+}
+
+/// A manifold triangle mesh with boundary over a grid.
 pub struct Mesh {
-    /// Start vertex of every directed edge, three a triangle. Removed triangles hold [`NONE`].
-    pub corner: Vec<u32>,
-    /// The directed edge the other way, or [`NONE`] on the boundary.
-    pub opposite: Vec<u32>,
+    triangles: Vec<Triangle>,
     /// One outgoing edge of every living vertex (on the boundary: the one without opposite).
-    pub outgoing: Vec<u32>,
+    outgoing: Vec<u32>,
 }
 
 impl Mesh {
-    /// The full grid of `cells` × `cells` squares. Diagonals alternate so that those of the four corner cells pass through the
-    /// patch corner (TRIALS section 3, rule 1). `cells` must be even. Vertex (i, j) has number j (cells + 1) + i.
-    pub fn grid(cells: u32) -> Mesh {
-        let triangles = grid_triangles(cells);
-        let corner: Vec<u32> = triangles.iter().flatten().copied().collect();
-        Mesh::from_corners(corner, ((cells + 1) * (cells + 1)) as usize)
-    }
-
-    fn from_corners(corner: Vec<u32>, vertices: usize) -> Mesh {
-        let mut opposite = vec![NONE; corner.len()];
-        let mut by_vertex: Vec<Vec<u32>> = vec![Vec::new(); vertices];
-        for e in 0..corner.len() as u32 {
-            by_vertex[corner[e as usize] as usize].push(e);
-        }
-        let mut outgoing = vec![NONE; vertices];
-        for e in 0..corner.len() as u32 {
-            let (a, b) = (corner[e as usize], corner[next(e) as usize]);
-            let back = by_vertex[b as usize].iter().copied().find(|&f| corner[next(f) as usize] == a);
-            opposite[e as usize] = back.unwrap_or(NONE);
-            if outgoing[a as usize] == NONE || back.is_none() {
-                outgoing[a as usize] = e;
+    /// The full grid of `columns` × `rows` vertices. Diagonals alternate; with an even number of cells a side, those of the
+    /// four corner cells pass through the corner (TRIALS section 3, rule 1). Vertex (i, j) has number `j columns + i`.
+    pub fn grid(columns: usize, rows: usize) -> Mesh {
+        let (across, along) = (columns - 1, rows - 1);
+        let mut mesh = Mesh { triangles: Vec::with_capacity(2 * across * along), outgoing: vec![NONE; columns * rows] };
+        for j in 0..along {
+            for i in 0..across {
+                let cell = GridCell { across, along, i, j };
+                mesh.triangles.extend(cell.triangles(columns));
             }
         }
-        Mesh { corner, opposite, outgoing }
+        for e in (0..mesh.triangles.len() as u32).flat_map(|t| 4 * t..4 * t + 3) {
+            let outgoing = &mut mesh.outgoing[mesh.triangles[(e >> 2) as usize].corner[(e & 3) as usize] as usize];
+            if *outgoing == NONE || mesh.triangles[(e >> 2) as usize].opposite[(e & 3) as usize] == NONE {
+                *outgoing = e;
+            }
+        }
+        mesh
     }
 
-    /// Number of triangle slots, living or removed.
-    pub fn triangle_slots(&self) -> usize {
-        self.corner.len() / 3
+    /// Start vertex of a directed edge, [`NONE`] if its triangle is gone.
+    #[inline(always)]
+    pub fn corner(&self, e: u32) -> u32 {
+        self.triangles[(e >> 2) as usize].corner[(e & 3) as usize]
+    }
+
+    /// End vertex of a directed edge.
+    #[inline(always)]
+    pub fn end(&self, e: u32) -> u32 {
+        self.corner(next(e))
+    }
+
+    /// The directed edge the other way, [`NONE`] on the boundary.
+    #[inline(always)]
+    pub fn opposite(&self, e: u32) -> u32 {
+        self.triangles[(e >> 2) as usize].opposite[(e & 3) as usize]
+    }
+
+    /// One outgoing edge of a vertex, [`NONE`] if it is gone.
+    #[inline(always)]
+    pub fn outgoing(&self, v: u32) -> u32 {
+        self.outgoing[v as usize]
+    }
+
+    /// First removed sample below the triangle of an edge.
+    #[inline(always)]
+    pub fn first_sample(&self, e: u32) -> u32 {
+        self.triangles[(e >> 2) as usize].opposite[3]
+    }
+
+    /// Sets the first removed sample below the triangle of an edge.
+    #[inline(always)]
+    pub fn set_first_sample(&mut self, e: u32, sample: u32) {
+        self.triangles[(e >> 2) as usize].opposite[3] = sample;
+    }
+
+    /// Corners of the living triangles.
+    pub fn faces(&self) -> impl Iterator<Item = [u32; 3]> + '_ {
+        self.triangles.iter().filter(|t| t.corner[0] != NONE).map(|t| [t.corner[0], t.corner[1], t.corner[2]])
     }
 
     /// Outgoing edges of a vertex, counter-clockwise.
@@ -75,96 +111,127 @@ impl Mesh {
         Star { mesh: self, first, at: first }
     }
 
-    /// Fills `ring` with the neighbours of `v`, counter-clockwise; true if they form a closed loop.
-    pub fn ring(&self, v: u32, ring: &mut Vec<u32>) -> bool {
+    /// Fills `star` with the outgoing edges of `v` and `ring` with its neighbours, both counter-clockwise; true if they close.
+    #[inline]
+    pub fn walk(&self, v: u32, star: &mut Vec<u32>, ring: &mut Vec<u32>) -> bool {
+        star.clear();
         ring.clear();
         let first = self.outgoing[v as usize];
-        if first == NONE {
-            return false;
-        }
         let mut e = first;
         loop {
-            ring.push(self.corner[next(e) as usize]);
+            star.push(e);
+            ring.push(self.end(e));
             let back = previous(e);
-            e = self.opposite[back as usize];
-            if e == NONE {
-                ring.push(self.corner[back as usize]);
-                return false;
-            }
+            e = self.opposite(back);
             if e == first {
                 return true;
             }
+            if e == NONE {
+                ring.push(self.corner(back));
+                return false;
+            }
         }
     }
 
-    /// Whether `a` and `b` share an edge.
-    pub fn adjacent(&self, a: u32, b: u32) -> bool {
-        self.star(a).any(|e| self.corner[next(e) as usize] == b || self.corner[previous(e) as usize] == b)
-    }
-
-    /// Half-edge collapse of `v` into its neighbour `p`. The caller has checked the link condition. Returns nothing: the
-    /// triangles that contained both are gone, the others of `v`'s star now belong to `p`.
+    /// Half-edge collapse of `v` into its neighbour `p`; `star` holds all outgoing edges of `v` ([`Mesh::walk`]). The triangles
+    /// that contained both are gone, the others now belong to `p`: `star` keeps their edges, in the same order. The caller
+    /// answers for the link condition: in a plane it holds whenever p sees the whole ring of v.
     pub fn collapse(&mut self, v: u32, p: u32, star: &mut Vec<u32>) {
-        star.clear();
-        star.extend(self.star(v));
         let (first, last) = (star[0], star[star.len() - 1]);
-        let boundary = self.opposite[first as usize] == NONE;
+        let boundary = self.opposite(first) == NONE;
         for &e in star.iter() {
-            if self.corner[next(e) as usize] == p {
+            if self.end(e) == p {
                 self.close_left(e);
-            } else if self.corner[previous(e) as usize] == p {
+            } else if self.corner(previous(e)) == p {
                 self.close_right(e, boundary && e == last, first);
             }
         }
-        for &e in star.iter() {
-            let t = e / 3 * 3;
-            let gone = (t..t + 3).any(|f| self.corner[f as usize] == p);
+        star.retain(|&e| {
+            let triangle = &mut self.triangles[(e >> 2) as usize];
+            let gone = triangle.corner[..3].contains(&p);
             if gone {
-                (t..t + 3).for_each(|f| self.corner[f as usize] = NONE);
+                triangle.corner = [NONE; 4];
             } else {
-                self.corner[e as usize] = p;
+                triangle.corner[(e & 3) as usize] = p;
             }
-        }
+            !gone
+        });
         self.outgoing[v as usize] = NONE;
     }
 
     /// Joins the two outer edges of the triangle (v, p, x) whose edge v → p is `e`.
     fn close_left(&mut self, e: u32) {
         let (px, xv) = (next(e), previous(e));
-        let x = self.corner[xv as usize];
-        let p = self.corner[px as usize];
-        let (vx, xp) = (self.opposite[xv as usize], self.opposite[px as usize]);
+        let (x, p) = (self.corner(xv) as usize, self.corner(px) as usize);
+        let (vx, xp) = (self.opposite(xv), self.opposite(px));
         self.join(vx, xp);
-        if self.outgoing[x as usize] == xv {
-            self.outgoing[x as usize] = xp;
+        if self.outgoing[x] == xv {
+            self.outgoing[x] = xp;
         }
-        let leaves_from_here = self.outgoing[p as usize] == px || self.outgoing[p as usize] == self.opposite[e as usize];
+        let leaves_from_here = self.outgoing[p] == px || self.outgoing[p] == self.opposite(e);
         if vx != NONE && leaves_from_here {
-            self.outgoing[p as usize] = vx;
+            self.outgoing[p] = vx;
         }
     }
 
     /// Joins the two outer edges of the triangle (v, y, p) whose edge v → y is `e`.
     fn close_right(&mut self, e: u32, on_boundary: bool, first: u32) {
         let yp = next(e);
-        let y = self.corner[yp as usize];
-        let p = self.corner[previous(e) as usize];
-        let (yv, py) = (self.opposite[e as usize], self.opposite[yp as usize]);
+        let (y, p) = (self.corner(yp) as usize, self.corner(previous(e)) as usize);
+        let (yv, py) = (self.opposite(e), self.opposite(yp));
         self.join(yv, py);
-        if self.outgoing[y as usize] == yp {
-            self.outgoing[y as usize] = yv;
+        if self.outgoing[y] == yp {
+            self.outgoing[y] = yv;
         }
         if on_boundary {
-            self.outgoing[p as usize] = first;
+            self.outgoing[p] = first;
         }
     }
 
     fn join(&mut self, a: u32, b: u32) {
         if a != NONE {
-            self.opposite[a as usize] = b;
+            self.triangles[(a >> 2) as usize].opposite[(a & 3) as usize] = b;
         }
         if b != NONE {
-            self.opposite[b as usize] = a;
+            self.triangles[(b >> 2) as usize].opposite[(b & 3) as usize] = a;
+        }
+    }
+}
+
+/// A square of the grid and its place in it.
+struct GridCell {
+    across: usize,
+    along: usize,
+    i: usize,
+    j: usize,
+}
+
+impl GridCell {
+    /// The two triangles with their neighbours. In even cells the diagonal rises from (i, j), in odd ones it falls towards (i + 1, j);
+    /// either way the first triangle has the bottom edge and the second one the top edge.
+    fn triangles(&self, columns: usize) -> [Triangle; 2] {
+        let cell = (self.j * self.across + self.i) as u32;
+        let (lower, upper) = (8 * cell, 8 * cell + 4);
+        let below = if self.j > 0 { upper - 8 * self.across as u32 } else { NONE };
+        let above = if self.j + 1 < self.along { lower + 8 * self.across as u32 } else { NONE };
+        let left = if self.i > 0 { lower - 8 } else { NONE };
+        let right = if self.i + 1 < self.across { lower + 8 } else { NONE };
+        let edge = |base: u32, e: u32| if base == NONE { NONE } else { base + e };
+        let a = (self.j * columns + self.i) as u32;
+        let (b, c, d) = (a + 1, a + columns as u32, a + columns as u32 + 1);
+        // Edges: a neighbour below or above is reached through its top or bottom edge, which depends on its own parity only.
+        if (self.i + self.j).is_multiple_of(2) {
+            // (a b d), (a d c); left and right cells are odd: (a b c), (b d c), their sides are edges 0 of the upper and 2 of the lower.
+            [
+                Triangle { corner: [a, b, d, NONE], opposite: [edge(below, 1), edge(right, 2), upper, NONE] },
+                Triangle { corner: [a, d, c, NONE], opposite: [lower + 2, edge(above, 0), edge(left, 4), NONE] },
+            ]
+        } else {
+            // (a b c), (b d c); left and right cells are even: their right side is edge 1 of the lower, their left edge 2 of the upper.
+            [
+                Triangle { corner: [a, b, c, NONE], opposite: [edge(below, 1), upper + 2, edge(left, 1), NONE] },
+                Triangle { corner: [b, d, c, NONE], opposite: [edge(right, 6), edge(above, 0), lower + 1, NONE] },
+            ]
         }
     }
 }
@@ -198,7 +265,7 @@ impl Iterator for Star<'_> {
         if e == NONE {
             return None;
         }
-        let following = self.mesh.opposite[previous(e) as usize];
+        let following = self.mesh.opposite(previous(e));
         self.at = if following == self.first { NONE } else { following };
         Some(e)
     }
@@ -212,48 +279,57 @@ mod tests {
     fn validate(mesh: &Mesh) {
         let mut edges = 0;
         let mut triangles = 0;
-        for e in 0..mesh.corner.len() as u32 {
-            let (a, b) = (mesh.corner[e as usize], mesh.corner[next(e) as usize]);
+        for e in (0..mesh.triangles.len() as u32).flat_map(|t| 4 * t..4 * t + 3) {
+            let a = mesh.corner(e);
             if a == NONE {
                 continue;
             }
-            triangles += u32::from(e % 3 == 0);
-            match mesh.opposite[e as usize] {
+            triangles += u32::from(e % 4 == 0);
+            match mesh.opposite(e) {
                 NONE => {
-                    assert_eq!(mesh.outgoing[a as usize], e, "boundary vertex {a} starts at its boundary edge");
+                    assert_eq!(mesh.outgoing(a), e, "boundary vertex {a} starts at its boundary edge");
                     edges += 2;
                 }
                 f => {
-                    assert_eq!((mesh.corner[f as usize], mesh.corner[next(f) as usize]), (b, a));
-                    assert_eq!(mesh.opposite[f as usize], e);
+                    assert_eq!((mesh.corner(f), mesh.end(f)), (mesh.end(e), a));
+                    assert_eq!(mesh.opposite(f), e);
                     edges += 1;
                 }
             }
         }
-        let living: Vec<u32> = (0..mesh.outgoing.len() as u32).filter(|&v| mesh.outgoing[v as usize] != NONE).collect();
+        let living: Vec<u32> = (0..mesh.outgoing.len() as u32).filter(|&v| mesh.outgoing(v) != NONE).collect();
         for &v in &living {
-            assert_eq!(mesh.corner[mesh.outgoing[v as usize] as usize], v);
+            assert_eq!(mesh.corner(mesh.outgoing(v)), v);
         }
         assert_eq!(living.len() as i32 - edges / 2 + triangles as i32, 1);
     }
 
     #[test]
+    fn the_grid_has_the_triangles_of_the_drawn_one() {
+        let mesh = Mesh::grid(5, 5);
+        assert!(mesh.faces().eq(grid_triangles(4)));
+        for (columns, rows) in [(2, 2), (2, 3), (3, 2), (4, 7), (5, 5)] {
+            validate(&Mesh::grid(columns, rows));
+        }
+    }
+
+    #[test]
     fn rings_are_counter_clockwise_and_complete() {
-        let mesh = Mesh::grid(4);
-        let mut ring = Vec::new();
-        assert!(mesh.ring(12, &mut ring));
+        let mesh = Mesh::grid(5, 5);
+        let (mut star, mut ring) = (Vec::new(), Vec::new());
+        assert!(mesh.walk(12, &mut star, &mut ring));
         assert!(ring.len() == 4 || ring.len() == 8);
-        assert!(!mesh.ring(2, &mut ring));
+        assert!(!mesh.walk(2, &mut star, &mut ring));
         assert_eq!((ring[0], *ring.last().unwrap()), (3, 1));
-        validate(&mesh);
     }
 
     #[test]
     fn collapses_inside_and_along_the_border_keep_the_mesh_valid() {
-        let mut mesh = Mesh::grid(4);
-        let mut star = Vec::new();
+        let mut mesh = Mesh::grid(5, 5);
+        let (mut star, mut ring) = (Vec::new(), Vec::new());
         for (v, p) in [(12, 6), (2, 3), (10, 5), (22, 23), (14, 19), (11, 6), (7, 6)] {
-            assert!(mesh.adjacent(v, p), "{v} {p}");
+            mesh.walk(v, &mut star, &mut ring);
+            assert!(ring.contains(&p), "{v} {p}");
             mesh.collapse(v, p, &mut star);
             validate(&mesh);
         }

@@ -1,13 +1,18 @@
 //! The progressive-mesh builder: from the full grid of one patch to its corners, one certified half-edge collapse at a time.
 //!
-//! Reading order: [`mesh`] (connectivity), [`surface`] (samples and the radial error), [`fan`] (error of the triangles that
-//! would replace a star), [`border_rules`] (wakes and targets along the four sides), [`guard`] (what interior collapses
-//! beside a border must leave possible), [`builder`] (the queue).
+//! Reading order: [`mesh`] (connectivity), [`samples`] (what is approximated), [`star`] (a vertex's neighbourhood and the ranking of
+//! its collapses), [`fan`] (the exact measure of one), [`decimator`] (the four together). On top of that stand two simplifiers:
+//! [`plain`] for heightfields, by rising error; and [`builder`] for patches, by rising wake, with [`surface`] (the gnomonic plane and
+//! the radial error), [`border_rules`] (wakes and targets along the four sides) and [`guard`] (what interior collapses beside a
+//! border must leave possible).
 
 pub mod border_rules;
 pub mod builder;
+pub mod decimator;
 pub mod fan;
 pub mod guard;
 pub mod mesh;
-pub mod state;
+pub mod plain;
+pub mod samples;
+pub mod star;
 pub mod surface;

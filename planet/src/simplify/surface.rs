@@ -5,50 +5,24 @@
 //! function on every triangle. So containment is a 2D orientation, radial interpolation is one affine evaluation, and
 //! the sides of a patch are exactly straight.
 
-use crate::ground::{Ground, HeightGrid};
+use super::samples::{area, Sample, Samples};
+use crate::ground::{Ground, HeightGrid, GUTTER};
 use crate::lattice::LatticeBox;
-use glam::{DVec3, IVec3};
-
-/// Least doubled area, in grid cells, of a triangle that a collapse may create.
-pub const LEAST_AREA: f64 = 0.05;
-
-/// One grid vertex in the gnomonic plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Sample {
-    /// Column, in mean cell widths from the patch's first corner.
-    pub x: f64,
-    /// Row, in mean cell heights from the patch's first corner.
-    pub y: f64,
-    /// Planet radius over distance along the face normal.
-    pub q: f64,
-    /// Radial distance in lattice units for a unit change of `q`, times `q`.
-    pub gain: f64,
-}
-
-impl Sample {
-    /// Radial distance in lattice units between this sample and a surface that has reciprocal depth `q` here.
-    #[inline]
-    pub fn radial_error(&self, q: f64) -> f64 {
-        (q - self.q).abs() * self.gain / q
-    }
-}
-
-/// Doubled signed area of a, b, c in cells.
-#[inline]
-pub fn area(a: &Sample, b: &Sample, c: &Sample) -> f64 {
-    (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x)
-}
+use glam::IVec3;
 
 /// All grid vertices of a patch.
 pub struct Surface {
     /// Grid cells a side.
     pub cells: u32,
-    /// Gnomonic samples by vertex number j (cells + 1) + i.
-    pub samples: Vec<Sample>,
+    /// Gnomonic samples by vertex number j (cells + 1) + i, the depth being the planet's radius over the distance along the face
+    /// normal.
+    pub samples: Samples,
     /// Exact lattice positions.
-    pub positions: Vec<DVec3>,
+    pub positions: Vec<IVec3>,
     /// Quantised heights.
     pub heights: Vec<i32>,
+    /// Radius of the planet in lattice units.
+    pub radius: f64,
     /// Box around the positions.
     pub bounds: LatticeBox,
     /// Largest radial distance in lattice units of the half-cell samples (the next level's) from the full grid.
@@ -58,25 +32,20 @@ pub struct Surface {
 impl Surface {
     /// The vertices of a sampled patch.
     pub fn new(ground: &Ground, grid: &HeightGrid) -> Surface {
-        let n = ground.cells as i32;
+        let plane = GnomonicPlane::new(ground, grid);
+        let steps = 0..=ground.cells as i32;
+        let places = steps.clone().flat_map(|j| steps.clone().map(move |i| (2 * i, 2 * j)));
+        let [columns, rows] = [0, 1].map(|axis| steps.clone().map(|k| plane.line(axis, 2 * k)).collect());
         let mut surface = Surface {
             cells: ground.cells,
-            samples: Vec::new(),
-            positions: Vec::new(),
-            heights: Vec::new(),
+            samples: Samples::new(columns, rows, places.clone().map(|(a, b)| plane.sample(a, b).q)),
+            positions: places.clone().map(|(a, b)| grid.position(&ground.lattice, a, b)).collect(),
+            heights: places.map(|(a, b)| grid.height(a, b)).collect(),
+            radius: ground.lattice.radius,
             bounds: LatticeBox::EMPTY,
             deviation: 0.0,
         };
-        let plane = GnomonicPlane::new(ground, grid);
-        for j in 0..=n {
-            for i in 0..=n {
-                let position: IVec3 = grid.position(&ground.lattice, 2 * i, 2 * j);
-                surface.bounds.include(position);
-                surface.positions.push(position.as_dvec3());
-                surface.heights.push(grid.height(2 * i, 2 * j));
-                surface.samples.push(plane.sample(2 * i, 2 * j));
-            }
-        }
+        surface.positions.iter().for_each(|&p| surface.bounds.include(p));
         surface.deviation = surface.half_cell_deviation(&plane) + crate::border::ROUNDING;
         surface
     }
@@ -94,7 +63,21 @@ impl Surface {
     /// Distance between two vertices in lattice units.
     #[inline]
     pub fn distance(&self, a: u32, b: u32) -> f64 {
-        self.positions[a as usize].distance(self.positions[b as usize])
+        self.distance_squared(a, b).sqrt()
+    }
+
+    /// Its square.
+    #[inline]
+    pub fn distance_squared(&self, a: u32, b: u32) -> f64 {
+        self.positions[a as usize].as_dvec3().distance_squared(self.positions[b as usize].as_dvec3())
+    }
+
+    /// Radial distance in lattice units between vertex `v`, which has the given sample, and a surface of the given depth there.
+    ///
+    /// With radius r and slant g the depth is q = R g / r, so |r - r'| = |q - q'| r / q'.
+    #[inline]
+    pub fn radial_error(&self, v: u32, sample: &Sample, depth: f64) -> f64 {
+        (depth - sample.q).abs() * (self.radius + f64::from(self.heights[v as usize])) / depth
     }
 
     fn half_cell_deviation(&self, plane: &GnomonicPlane) -> f64 {
@@ -106,7 +89,8 @@ impl Surface {
                     continue;
                 }
                 let sample = plane.sample(a, b);
-                worst = worst.max(sample.radial_error(self.grid_depth(&sample, (a / 2).min(n - 1), (b / 2).min(n - 1))));
+                let depth = self.grid_depth(&sample, (a / 2).min(n - 1), (b / 2).min(n - 1));
+                worst = worst.max((depth - sample.q).abs() * plane.distance(a, b) / depth);
             }
         }
         worst
@@ -115,8 +99,8 @@ impl Surface {
     /// Reciprocal depth of the full grid at a sample in cell (i, j).
     fn grid_depth(&self, sample: &Sample, i: i32, j: i32) -> f64 {
         let row = self.cells as i32 + 1;
-        let at = |i: i32, j: i32| &self.samples[(j * row + i) as usize];
-        let (a, b, c, d) = (at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1));
+        let at = |i: i32, j: i32| self.samples.at((j * row + i) as u32);
+        let [a, b, c, d] = &[at(i, j), at(i + 1, j), at(i, j + 1), at(i + 1, j + 1)];
         let triangle = if (i + j) % 2 == 0 {
             if area(a, d, sample) <= 0.0 {
                 [a, b, d]
@@ -145,25 +129,28 @@ struct GnomonicPlane<'a> {
 impl<'a> GnomonicPlane<'a> {
     fn new(ground: &Ground, grid: &'a HeightGrid) -> Self {
         let parts = 2 * ground.cells as usize;
-        let first = crate::ground::GUTTER as usize;
+        let first = GUTTER as usize;
         let lines = [&grid.warped.columns, &grid.warped.rows];
         let origin = lines.map(|line| line[first]);
         let scale = lines.map(|line| f64::from(ground.cells) / (line[first + parts] - line[first]));
         GnomonicPlane { grid, radius: ground.lattice.radius, origin, scale }
     }
 
+    /// Place of a column (axis 0) or row (axis 1) of half cells, in mean cells from the patch's first corner.
+    fn line(&self, axis: usize, k: i32) -> f64 {
+        let lines = [&self.grid.warped.columns, &self.grid.warped.rows];
+        (lines[axis][(k + GUTTER) as usize] - self.origin[axis]) * self.scale[axis]
+    }
+
+    /// Distance of a half-cell sample from the planet's centre.
+    fn distance(&self, a: i32, b: i32) -> f64 {
+        self.radius + f64::from(self.grid.height(a, b))
+    }
+
     fn sample(&self, a: i32, b: i32) -> Sample {
-        let index = |k: i32| (k + crate::ground::GUTTER) as usize;
+        let index = |k: i32| (k + GUTTER) as usize;
         let (x, y) = (self.grid.warped.columns[index(a)], self.grid.warped.rows[index(b)]);
         let slant = (1.0 + x * x + y * y).sqrt();
-        let radius = self.radius + f64::from(self.grid.height(a, b));
-        // depth = radius / slant; q = R / depth; radius error = slant |R/q' - R/q| = slant R |q - q'| / (q q').
-        let q = self.radius * slant / radius;
-        Sample {
-            x: (x - self.origin[0]) * self.scale[0],
-            y: (y - self.origin[1]) * self.scale[1],
-            q,
-            gain: slant * self.radius / q,
-        }
+        Sample { x: self.line(0, a), y: self.line(1, b), q: self.radius * slant / self.distance(a, b) }
     }
 }

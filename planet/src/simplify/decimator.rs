@@ -1,0 +1,82 @@
+//! What every simplifier here does: gather a vertex's star, rank its collapses, measure one, perform it. The order, and what is
+//! allowed, is up to the caller.
+//!
+//! A removed sample stays in the list of the triangle below it, so that each new fan is measured at all samples it covers and
+//! errors never add up unseen.
+
+use super::fan::Fan;
+use super::mesh::{Mesh, NONE};
+use super::samples::{Sample, Samples};
+use super::star::{Candidate, Star};
+
+/// A mesh between two collapses, with the samples it approximates.
+pub struct Decimator {
+    /// Current connectivity.
+    pub mesh: Mesh,
+    /// All samples, living or removed.
+    pub samples: Samples,
+    /// The star gathered last.
+    pub star: Star,
+    fan: Fan,
+    /// For every sample below the gathered star, its triangle in `fan`.
+    triangles: Vec<u32>,
+}
+
+impl Decimator {
+    /// The full grid of `columns` × `rows` samples.
+    pub fn new(samples: Samples, columns: usize, rows: usize) -> Decimator {
+        Decimator { mesh: Mesh::grid(columns, rows), samples, star: Star::default(), fan: Fan::default(), triangles: Vec::new() }
+    }
+
+    /// Whether a vertex still exists.
+    pub fn is_alive(&self, v: u32) -> bool {
+        self.mesh.outgoing(v) != NONE
+    }
+
+    /// Gathers the star of a living vertex, for the calls below.
+    pub fn gather(&mut self, v: u32) {
+        self.star.gather(&self.mesh, &self.samples, v);
+    }
+
+    /// The allowed collapse of the gathered vertex that has the least error, to single precision.
+    pub fn rank(&mut self, allowed: impl Fn(u32) -> bool) -> Option<Candidate> {
+        self.star.rank(&self.samples, allowed)
+    }
+
+    /// The largest error of the gathered vertex's collapse into `p`, which must see its whole ring. `error` is that of a
+    /// sample (its number and place) where the new triangles have a given depth.
+    pub fn measure(&mut self, p: u32, error: impl Fn(u32, &Sample, f64) -> f64) -> f64 {
+        self.fan.start(&self.samples.at(p));
+        let ring = &self.star.ring;
+        let pairs = if self.star.closed { ring.len() } else { ring.len() - 1 };
+        for k in 0..pairs {
+            let (a, b) = (ring[k], ring[if k + 1 < ring.len() { k + 1 } else { 0 }]);
+            if a != p && b != p {
+                self.fan.push(&self.samples.at(a), &self.samples.at(b));
+            }
+        }
+        self.triangles.clear();
+        let mut worst = 0.0f64;
+        for &s in &self.star.below {
+            let sample = self.samples.at(s);
+            let (triangle, depth) = self.fan.locate(&sample);
+            self.triangles.push(triangle as u32);
+            worst = worst.max(error(s, &sample, depth));
+        }
+        worst
+    }
+
+    /// Performs the collapse of the gathered vertex that was measured last. The ring stays readable.
+    pub fn collapse(&mut self, v: u32, p: u32) {
+        self.mesh.collapse(v, p, &mut self.star.edges);
+        // The star's edges come in ring order, and so do the fan's triangles: those that survived, in the same order.
+        for &e in &self.star.edges {
+            self.mesh.set_first_sample(e, NONE);
+        }
+        for (&s, &triangle) in self.star.below.iter().zip(&self.triangles) {
+            let e = self.star.edges[triangle as usize];
+            self.samples.set_next(s, self.mesh.first_sample(e));
+            self.mesh.set_first_sample(e, s);
+        }
+    }
+}
