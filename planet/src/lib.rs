@@ -4,6 +4,7 @@
 pub mod bake;
 pub mod border;
 pub mod camera_path;
+pub mod classic;
 pub mod export;
 pub mod ground;
 pub mod heightfield;
