@@ -38,5 +38,6 @@ commands! {
     info => Info,
     mesh => Mesh,
     shot => Shot,
+    simplify => Simplify,
     verify => Verify,
 }
