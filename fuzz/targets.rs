@@ -86,7 +86,11 @@ const MEASURES: usize = 48;
 const PLANES: usize = 14;
 
 /// What a reader accepts it writes again, and reads the same from that.
-fn same_again<T: PartialEq>(decoded: T, encode: impl Fn(&T) -> Result<Vec<u8>, RecordError>, decode: impl Fn(&[u8]) -> Option<T>) {
+fn same_again<T: PartialEq>(
+    decoded: T,
+    encode: impl Fn(&T) -> Result<Vec<u8>, RecordError>,
+    decode: impl Fn(&[u8]) -> Option<T>,
+) {
     let bytes = encode(&decoded).expect("what was read can be written");
     assert!(decode(&bytes).is_some_and(|again| again == decoded), "what was written reads the same");
 }

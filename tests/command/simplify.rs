@@ -9,7 +9,6 @@ mod common;
 use common::{terrane, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use terrane_planet::heightfield::import::load;
 
 fn repository(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("..").join(name)
@@ -72,7 +71,7 @@ fn levels_are_not_what_was_asked_for() {
         assert!(max > before && rms > 0.0 && rms < max && level["uncovered"] == 0, "{level}");
         before = max;
     }
-    assert!(number(&levels[0]["max_error"]) < 12.0, "{}", levels[0]);
+    assert!(number(&levels[0]["max_error"]) < 20.0, "{}", levels[0]);
     assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
 }
 
