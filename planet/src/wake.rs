@@ -7,7 +7,12 @@
 pub struct Wake(u16);
 
 const MANTISSA_BITS: u32 = 10;
-const MANTISSA: u32 = 1 << MANTISSA_BITS;
+
+/// Bits of a double's mantissa that a wake does not keep.
+const DROPPED_BITS: u32 = f64::MANTISSA_DIGITS - 1 - MANTISSA_BITS;
+
+/// What is left of the bits of 1.0 without them.
+const ONE: u64 = 1.0f64.to_bits() >> DROPPED_BITS;
 
 /// Factor on every sum of a wake and a distance, so that closure also holds for distances rounded to f32 (frustum term
 /// included: its planes multiply the rounding error by at most G_max = 3).
@@ -27,15 +32,9 @@ impl Wake {
         if distance >= Wake(u16::MAX - 1).distance() {
             return Wake::ALWAYS;
         }
-        let mut exponent = 0;
-        let mut power = 1.0;
-        while power * 2.0 <= distance {
-            power *= 2.0;
-            exponent += 1;
-        }
-        // The mantissa may round up to a full 1024, which is the next exponent's zero: the sum carries.
-        let mantissa = ((distance / power - 1.0) * f64::from(MANTISSA)).ceil() as u32;
-        Wake(((exponent << MANTISSA_BITS) + mantissa).max(1) as u16)
+        // The bits of a double above the mantissa's first 10, rounded up: a full mantissa carries into the exponent.
+        let code = (distance.to_bits() + (1 << DROPPED_BITS) - 1) >> DROPPED_BITS;
+        Wake((code - ONE).max(1) as u16)
     }
 
     /// The distance in lattice units: 0 for asleep, infinite for always.
@@ -43,10 +42,7 @@ impl Wake {
         match self {
             Wake::ASLEEP => 0.0,
             Wake::ALWAYS => f64::INFINITY,
-            Wake(code) => {
-                let (exponent, mantissa) = (u32::from(code) >> MANTISSA_BITS, u32::from(code) & (MANTISSA - 1));
-                f64::from(MANTISSA + mantissa) * (2f64.powi(exponent as i32) / f64::from(MANTISSA))
-            }
+            Wake(code) => f64::from_bits((u64::from(code) + ONE) << DROPPED_BITS),
         }
     }
 

@@ -1,5 +1,7 @@
 //! Whole progressive meshes by cost: coverage, closure, determinism and quality.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use proptest::prelude::*;
 use terrane_planet::classic::{euler_characteristic, progressive_mesh, ClassicError, Cost, ProgressiveMesh};
 use terrane_planet::heightfield::Heightfield;

@@ -1,5 +1,7 @@
 //! Edge collapses, vertex splits and the progressive mesh of half-edge collapses.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use glam::DVec3;
 use proptest::prelude::*;
 use terrane_planet::classic::{euler_characteristic, ClassicError, FaceMesh, ProgressiveMesh, Refusal, VertexSplit, NONE};
@@ -71,6 +73,19 @@ fn any_edge_may_collapse_either_way_and_come_back() {
 }
 
 #[test]
+fn a_split_that_names_a_wrong_neighbour_face_leaves_a_mesh_that_is_refused() {
+    let mesh = grid(5, 5);
+    let split = split_of(&mesh, 12, 13).unwrap();
+    for (a, b) in [(0, 1), (1, 3), (2, 3)] {
+        let (mut work, mut wrong) = (mesh.clone(), split);
+        split.ecol(&mut work);
+        wrong.f.swap(a, b);
+        wrong.vsplit(&mut work);
+        assert!(work.validate().is_err(), "f{a} and f{b} taken for one another");
+    }
+}
+
+#[test]
 fn each_of_f0_to_f3_may_be_missing() {
     // The ends of these edges lie next to sides, so that fl or fr lies on one.
     let mesh = grid(3, 3);
@@ -131,7 +146,7 @@ fn inversions_are_seen_and_harmless_collapses_are_not_taken_for_one() {
 fn scrambled(field: &Heightfield, seed: u32) -> (Vec<u32>, Vec<u32>) {
     let mut mesh = FaceMesh::from_heightfield(field);
     let (columns, rows) = (field.columns() as u32, field.rows() as u32);
-    let sides = |v: u32| (v % columns == 0 || v % columns == columns - 1, v / columns == 0 || v / columns == rows - 1);
+    let sides = |v: u32| ([0, columns - 1].contains(&(v % columns)), [0, rows - 1].contains(&(v / columns)));
     let fits = |v: u32, p: u32| {
         let (a, b) = (sides(v), sides(p));
         a != (true, true) && (!a.0 || b.0) && (!a.1 || b.1)

@@ -47,8 +47,29 @@ impl BorderRules {
     /// Computes the rules of a patch.
     pub fn new(ground: &Ground, id: PatchId, kappa: f64) -> BorderRules {
         let n = ground.cells as usize;
+        let mut rules = BorderRules::interior(n);
+        for side in Side::ALL {
+            rules.add_side(ground, id, side, kappa);
+        }
+        rules.fix_corners(n);
+        rules
+    }
+
+    /// Rules of a patch without neighbours: vertices on its sides only stay on them. To compare with, and for single patches.
+    pub fn free(cells: u32) -> BorderRules {
+        let n = cells as usize;
+        let mut rules = BorderRules::interior(n);
+        for side in Side::ALL {
+            (0..=n).for_each(|k| rules.sides[vertex_on_side(side, k, n)] |= side.bit());
+        }
+        rules.fix_corners(n);
+        rules
+    }
+
+    /// A patch whose vertices are all interior.
+    fn interior(n: usize) -> BorderRules {
         let count = (n + 1) * (n + 1);
-        let mut rules = BorderRules {
+        BorderRules {
             kind: vec![Kind::Interior; count],
             sides: vec![0; count],
             own: vec![Wake::ASLEEP; count],
@@ -59,16 +80,15 @@ impl BorderRules {
             target: vec![NONE; count],
             other: vec![NONE; count],
             last: vec![false; count],
-        };
-        for side in Side::ALL {
-            rules.add_side(ground, id, side, kappa);
         }
-        for corner in [0, n, n * (n + 1), count - 1] {
-            rules.kind[corner] = Kind::Fixed;
-            rules.own[corner] = Wake::ALWAYS;
-            rules.coarser[corner] = Wake::ALWAYS;
+    }
+
+    fn fix_corners(&mut self, n: usize) {
+        for corner in [0, n, n * (n + 1), n * (n + 2)] {
+            self.kind[corner] = Kind::Fixed;
+            self.own[corner] = Wake::ALWAYS;
+            self.coarser[corner] = Wake::ALWAYS;
         }
-        rules
     }
 
     fn add_side(&mut self, ground: &Ground, id: PatchId, side: Side, kappa: f64) {

@@ -7,11 +7,10 @@ use super::border_rules::{BorderRules, Kind};
 use super::decimator::Decimator;
 use super::guard::{Guard, Patch};
 use super::mesh::NONE;
+use super::queue::Queue;
 use super::surface::Surface;
 use crate::border::ROUNDING;
 use crate::wake::{Wake, PROPAGATION_MARGIN};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 
 /// The finished hierarchy of one patch, by vertex number.
 pub struct Hierarchy {
@@ -23,6 +22,9 @@ pub struct Hierarchy {
     pub parent: Vec<u32>,
     /// Vertices in order of collapse.
     pub order: Vec<u32>,
+    /// Wake that each vertex's own error and star asked for when it collapsed, without what vertices that depend on it ask for:
+    /// what a selection without dependencies would need. 0 for vertices that never did.
+    pub demand: Vec<f32>,
     /// Counts of what went wrong; all zero unless there is a bug.
     pub faults: Faults,
 }
@@ -57,10 +59,13 @@ struct Builder<'a> {
     patch: Patch<'a>,
     kappa: f64,
     entries: Vec<Entry>,
-    queue: BinaryHeap<Reverse<u64>>,
+    queue: Queue,
     result: Hierarchy,
     guard: Guard,
     rejected: Vec<u32>,
+    /// Distances of the gathered ring, and the largest of them.
+    distances: Vec<f64>,
+    longest: f64,
 }
 
 /// Simplifies a patch down to its fixed vertices. `kappa`: radians of error per unit of distance that a wake allows.
@@ -72,6 +77,7 @@ pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
         coarser: rules.coarser.clone(),
         parent: (0..count as u32).collect(),
         order: Vec::with_capacity(count),
+        demand: vec![0.0; count],
         faults: Faults::default(),
     };
     let untouched = Entry { reached: 0.0, key: 0.0, into: NONE, queued: false, fresh: false };
@@ -79,10 +85,12 @@ pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
         patch: Patch { surface, rules, decimator: Decimator::new(surface.samples.clone(), side, side) },
         kappa,
         entries: vec![untouched; count],
-        queue: BinaryHeap::with_capacity(count),
+        queue: Queue::new(),
         result,
         guard: Guard::default(),
         rejected: Vec::new(),
+        distances: Vec::new(),
+        longest: 0.0,
     };
     builder.run();
     builder.result
@@ -94,8 +102,7 @@ impl Builder<'_> {
             self.entries[v as usize].key = self.first_key(v);
             self.enqueue(v);
         }
-        while let Some(Reverse(packed)) = self.queue.pop() {
-            let v = packed as u32;
+        while let Some(v) = self.queue.pop() {
             self.entries[v as usize].queued = false;
             if self.patch.decimator.is_alive(v) {
                 match self.patch.kind(v) {
@@ -116,39 +123,42 @@ impl Builder<'_> {
         }
     }
 
-    /// Puts a vertex into the queue unless it is there. Keys are positive, so their bits order like numbers; ties go by number.
+    /// Puts a vertex into the queue unless it is there.
     fn enqueue(&mut self, v: u32) {
         let kind = self.patch.kind(v);
         let entry = &mut self.entries[v as usize];
         if !entry.queued && kind != Kind::Fixed {
             entry.queued = true;
-            self.queue.push(Reverse(u64::from(entry.key.to_bits()) << 32 | u64::from(v)));
+            self.queue.push(entry.key, 0, v);
         }
     }
 
-    fn longest_edge(&self, v: u32) -> f64 {
-        let ring = &self.patch.decimator.star.ring;
-        ring.iter().map(|&r| self.patch.surface.distance_squared(v, r)).fold(0.0, f64::max).sqrt()
+    fn gather(&mut self, v: u32) {
+        let Patch { decimator, surface, .. } = &mut self.patch;
+        decimator.gather(v);
+        self.distances.clear();
+        self.distances.extend(decimator.star.ring.iter().map(|&r| surface.distance(v, r)));
+        self.longest = self.distances.iter().copied().fold(0.0, f64::max);
     }
 
-    /// What this vertex's own error and star ask for.
-    fn demand(&self, v: u32, error: f64) -> f64 {
-        (error + ROUNDING) / self.kappa + self.longest_edge(v)
+    /// What the gathered vertex's own error and star ask for.
+    fn demand(&self, error: f64) -> f64 {
+        (error + ROUNDING) / self.kappa + self.longest
     }
 
     fn interior_wake(&self, v: u32, error: f64) -> Wake {
-        Wake::round_up(self.demand(v, error).max(self.entries[v as usize].reached))
+        Wake::round_up(self.demand(error).max(self.entries[v as usize].reached))
     }
 
     /// Collapses an interior vertex if it is its turn, puts it back if its key has risen, or leaves it to wait for a change of its
     /// ring where it has no way to go.
     fn visit_interior(&mut self, v: u32) {
         let entry = &mut self.entries[v as usize];
-        if entry.reached as f32 > entry.key {
-            entry.key = entry.reached as f32;
+        entry.key = entry.key.max(entry.reached as f32);
+        if !self.queue.is_due(entry.key) {
             return self.enqueue(v);
         }
-        self.patch.decimator.gather(v);
+        self.gather(v);
         if !self.entries[v as usize].fresh && self.look_again(v) {
             return;
         }
@@ -158,7 +168,7 @@ impl Builder<'_> {
         } else {
             let into = self.entries[v as usize].into;
             let error = self.measure(into);
-            self.perform_collapse(v, into, self.interior_wake(v, error).distance());
+            self.perform_collapse(v, into, error, self.interior_wake(v, error));
         }
     }
 
@@ -166,12 +176,11 @@ impl Builder<'_> {
     fn look_again(&mut self, v: u32) -> bool {
         self.rejected.clear();
         let Some((into, error)) = self.rank(v) else { return true };
-        let key = self.demand(v, error).max(self.entries[v as usize].reached) as f32;
+        let key = self.demand(error).max(self.entries[v as usize].reached) as f32;
         let entry = &mut self.entries[v as usize];
-        (entry.into, entry.fresh) = (into, true);
-        let risen = key > entry.key;
+        (entry.into, entry.fresh, entry.key) = (into, true, entry.key.max(key));
+        let risen = !self.queue.is_due(key);
         if risen {
-            entry.key = key;
             self.enqueue(v);
         }
         risen
@@ -184,40 +193,43 @@ impl Builder<'_> {
         let ring_sides = decimator.star.ring.iter().filter(|&&r| is_border(r)).fold(0, |all, &r| all | rules.sides[r as usize]);
         let rejected = &self.rejected;
         let joins_sides = |p: u32| is_border(p) && ring_sides & !rules.sides[p as usize] != 0;
-        let best = decimator.rank(|p| !joins_sides(p) && !rejected.contains(&p))?;
-        let sample = surface.samples.at(v);
-        Some((best.into, surface.radial_error(v, &sample, sample.q + f64::from(best.error))))
+        let leaves_side = |p: u32| rules.sides[v as usize] & !rules.sides[p as usize] != 0;
+        let best = decimator.rank(|p| !joins_sides(p) && !leaves_side(p) && !rejected.contains(&p))?;
+        let own = surface.samples.at(v).q;
+        Some((best.into, surface.radial_error(v, own, own + f64::from(best.error))))
     }
 
     /// Largest radial error of the gathered vertex's collapse.
     fn measure(&mut self, into: u32) -> f64 {
         let surface = self.patch.surface;
-        self.patch.decimator.measure(into, |s, sample, depth| surface.radial_error(s, sample, depth))
+        self.patch.decimator.measure(into, |s, own, depth| surface.radial_error(s, own, depth))
     }
 
     /// Rules 3 to 5: with border vertices in its ring, a vertex waits for them and must leave them able to fall.
     fn collapse_beside_border(&mut self, v: u32) {
-        let limit = self.border_limit(v);
+        let limit = self.border_limit();
+        let mut into = self.entries[v as usize].into;
         self.rejected.clear();
-        while let Some((into, estimate)) = self.rank(v) {
-            let key = self.demand(v, estimate).max(self.entries[v as usize].reached) as f32;
-            if key > self.entries[v as usize].key * (1.0 + 1e-4) && !self.rejected.is_empty() {
+        loop {
+            let error = self.measure(into);
+            let wake = self.interior_wake(v, error);
+            if wake.distance() > limit {
+                return self.wait(v);
+            }
+            if self.guard.allows(&self.patch, v, into, self.kappa) {
+                return self.perform_collapse(v, into, error, wake);
+            }
+            self.rejected.push(into);
+            let Some((other, estimate)) = self.rank(v) else { return self.wait(v) };
+            let key = self.demand(estimate).max(self.entries[v as usize].reached) as f32;
+            if !self.queue.is_due(key) {
                 // A worse way than the one it was queued for: its turn comes later.
                 let entry = &mut self.entries[v as usize];
                 (entry.key, entry.fresh) = (key, false);
                 return self.enqueue(v);
             }
-            let error = self.measure(into);
-            let wake = self.interior_wake(v, error).distance();
-            if wake > limit {
-                return self.wait(v);
-            }
-            if self.guard.allows(&self.patch, v, into, self.kappa) {
-                return self.perform_collapse(v, into, wake);
-            }
-            self.rejected.push(into);
+            into = other;
         }
-        self.wait(v);
     }
 
     /// Leaves a vertex out of the queue until its ring changes.
@@ -226,38 +238,40 @@ impl Builder<'_> {
     }
 
     /// Rule 3: the largest wake an interior vertex may have while these border vertices are in its ring.
-    fn border_limit(&self, v: u32) -> f64 {
+    fn border_limit(&self) -> f64 {
         let patch = &self.patch;
+        let ring = patch.decimator.star.ring.iter().zip(&self.distances);
         let limit =
-            |&r: &u32| patch.rules.low[r as usize] / PROPAGATION_MARGIN - patch.surface.distance(v, r) * PROPAGATION_MARGIN;
-        let ring = &patch.decimator.star.ring;
-        ring.iter().filter(|&&r| patch.kind(r) == Kind::Border).map(limit).fold(f64::INFINITY, f64::min)
+            |(&r, distance): (&u32, &f64)| patch.rules.low[r as usize] / PROPAGATION_MARGIN - distance * PROPAGATION_MARGIN;
+        ring.filter(|(&r, _)| patch.kind(r) == Kind::Border).map(limit).fold(f64::INFINITY, f64::min)
     }
 
     /// Rule 2: a border vertex falls to its target, once it stands alone between its two line neighbours.
     fn visit_border(&mut self, b: u32) {
         let (target, other) = (self.patch.rules.target[b as usize], self.patch.rules.other[b as usize]);
+        self.gather(b);
         let decimator = &mut self.patch.decimator;
-        decimator.gather(b);
         let ready = decimator.star.ring.contains(&target) && decimator.star.ring.contains(&other);
         if !ready || decimator.rank(|p| p == target).is_none() {
             return;
         }
         let error = self.measure(target);
-        let (certified, propagated) = (self.patch.rules.low[b as usize], self.patch.rules.high[b as usize]);
-        if self.demand(b, error) > certified * (1.0 + 1e-9) {
+        if self.demand(error) > self.patch.rules.low[b as usize] * (1.0 + 1e-9) {
             self.result.faults.uncertified += 1;
         }
-        self.perform_collapse(b, target, propagated);
+        self.perform_collapse(b, target, error, Wake::ASLEEP);
     }
 
-    /// Collapses the vertex gathered and measured last; `wake` is what it asks of its ring.
-    fn perform_collapse(&mut self, v: u32, into: u32, wake: f64) {
-        if self.patch.kind(v) == Kind::Interior {
-            let rounded = Wake::round_up(wake);
-            self.result.own[v as usize] = rounded;
-            self.result.coarser[v as usize] = rounded;
-        }
+    /// Collapses the vertex gathered and measured last. `interior` is its wake, unless its border gives it one.
+    fn perform_collapse(&mut self, v: u32, into: u32, error: f64, interior: Wake) {
+        let asks = if self.patch.kind(v) == Kind::Interior {
+            self.result.own[v as usize] = interior;
+            self.result.coarser[v as usize] = interior;
+            interior.distance()
+        } else {
+            self.patch.rules.high[v as usize]
+        };
+        self.result.demand[v as usize] = self.demand(error) as f32;
         self.result.parent[v as usize] = into;
         self.result.order.push(v);
         self.patch.decimator.collapse(v, into);
@@ -266,7 +280,7 @@ impl Builder<'_> {
             if self.patch.rules.last[v as usize] && self.patch.rules.sides[r as usize] == 0 {
                 self.patch.rules.kind[r as usize] = Kind::Fixed;
             }
-            let asked = (wake + self.patch.surface.distance(v, r)) * PROPAGATION_MARGIN;
+            let asked = (asks + self.distances[k]) * PROPAGATION_MARGIN;
             let entry = &mut self.entries[r as usize];
             entry.reached = entry.reached.max(asked);
             entry.fresh = false;

@@ -6,7 +6,7 @@
 
 use super::fan::Fan;
 use super::mesh::{Mesh, NONE};
-use super::samples::{Sample, Samples};
+use super::samples::Samples;
 use super::star::{Candidate, Star};
 
 /// A mesh between two collapses, with the samples it approximates.
@@ -18,8 +18,8 @@ pub struct Decimator {
     /// The star gathered last.
     pub star: Star,
     fan: Fan,
-    /// For every sample below the gathered star, its triangle in `fan`.
-    triangles: Vec<u32>,
+    /// Every sample below the gathered star with its triangle in `fan`.
+    triangles: Vec<(u32, u32)>,
 }
 
 impl Decimator {
@@ -40,12 +40,12 @@ impl Decimator {
 
     /// The allowed collapse of the gathered vertex that has the least error, to single precision.
     pub fn rank(&mut self, allowed: impl Fn(u32) -> bool) -> Option<Candidate> {
-        self.star.rank(&self.samples, allowed)
+        self.star.rank(allowed)
     }
 
     /// The largest error of the gathered vertex's collapse into `p`, which must see its whole ring. `error` is that of a
-    /// sample (its number and place) where the new triangles have a given depth.
-    pub fn measure(&mut self, p: u32, error: impl Fn(u32, &Sample, f64) -> f64) -> f64 {
+    /// sample, by its number, between two depths: its own and that of the new triangles.
+    pub fn measure(&mut self, p: u32, error: impl Fn(u32, f64, f64) -> f64) -> f64 {
         self.fan.start(&self.samples.at(p));
         let ring = &self.star.ring;
         let pairs = if self.star.closed { ring.len() } else { ring.len() - 1 };
@@ -57,11 +57,12 @@ impl Decimator {
         }
         self.triangles.clear();
         let mut worst = 0.0f64;
-        for &s in &self.star.below {
-            let sample = self.samples.at(s);
-            let (triangle, depth) = self.fan.locate(&sample);
-            self.triangles.push(triangle as u32);
-            worst = worst.max(error(s, &sample, depth));
+        for chunk in self.star.below() {
+            let (triangles, depths) = self.fan.locate(chunk.x, chunk.y);
+            for (lane, &number) in chunk.numbers.iter().enumerate().filter(|&(_, &number)| number != NONE) {
+                worst = worst.max(error(number, chunk.q.0[lane], depths.0[lane]));
+                self.triangles.push((number, triangles[lane]));
+            }
         }
         worst
     }
@@ -73,7 +74,7 @@ impl Decimator {
         for &e in &self.star.edges {
             self.mesh.set_first_sample(e, NONE);
         }
-        for (&s, &triangle) in self.star.below.iter().zip(&self.triangles) {
+        for &(s, triangle) in &self.triangles {
             let e = self.star.edges[triangle as usize];
             self.samples.set_next(s, self.mesh.first_sample(e));
             self.mesh.set_first_sample(e, s);

@@ -1,6 +1,8 @@
 //! Fans: triangles around one apex that would replace a star, measured in double precision.
 
+use super::lanes::{Doubles, LANES};
 use super::samples::Sample;
+use multiversion::multiversion;
 
 /// How far, in doubled cells, a sample may lie outside a wedge and still belong to it.
 const SLACK: f64 = 1e-9;
@@ -44,24 +46,11 @@ impl Fan {
         self.wedges.push(Wedge { a: ra, b: rb, slope });
     }
 
-    /// The triangle (by order of [`Fan::push`]) that holds a sample inside the fan's polygon, and the depth of the fan there. A
-    /// sample on the rim belongs to the nearest triangle.
+    /// For eight places inside the fan's polygon the triangle (by order of [`Fan::push`]) that holds each, and the depth of the fan
+    /// there. A place on the rim belongs to the nearest triangle.
     #[inline]
-    pub fn locate(&self, sample: &Sample) -> (usize, f64) {
-        let (x, y) = (sample.x - self.apex[0], sample.y - self.apex[1]);
-        let mut best = f64::NEG_INFINITY;
-        let mut found = 0;
-        for (k, wedge) in self.wedges.iter().enumerate() {
-            let inside = wedge.inside(x, y);
-            if inside > best {
-                best = inside;
-                found = k;
-                if inside >= 0.0 {
-                    break;
-                }
-            }
-        }
-        (found, self.depth(found, x, y))
+    pub(super) fn locate(&self, x: Doubles, y: Doubles) -> ([u32; LANES], Doubles) {
+        locate(self.apex, &self.wedges, x, y)
     }
 
     /// Depth of the fan at a sample, or `None` where no triangle of the fan covers it.
@@ -80,6 +69,24 @@ impl Fan {
     }
 }
 
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+fn locate(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> ([u32; LANES], Doubles) {
+    let (x, y) = (x - Doubles::splat(apex[0]), y - Doubles::splat(apex[1]));
+    let mut inside = Doubles::splat(f64::NEG_INFINITY);
+    let [mut found, mut sx, mut sy] = [Doubles::splat(0.0); 3];
+    for (k, wedge) in wedges.iter().enumerate() {
+        let from_a = Doubles::splat(wedge.a[0]) * y - Doubles::splat(wedge.a[1]) * x;
+        let to_b = x * Doubles::splat(wedge.b[1]) - y * Doubles::splat(wedge.b[0]);
+        let depth = from_a.min(to_b);
+        let deeper = depth.more_than(inside);
+        inside = deeper.select(depth, inside);
+        found = deeper.select(Doubles::splat(k as f64), found);
+        sx = deeper.select(Doubles::splat(wedge.slope[0]), sx);
+        sy = deeper.select(Doubles::splat(wedge.slope[1]), sy);
+    }
+    (found.0.map(|k| k as u32), Doubles::splat(apex[2]) + sx * x + sy * y)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -93,7 +100,7 @@ mod tests {
         fan.push(&plane(2.0, 2.0), &plane(0.0, 2.0));
         for (x, y, triangle) in [(1.5, 0.5, 0), (0.5, 1.5, 1), (2.0, 0.0, 0)] {
             let sample = plane(x, y);
-            assert_eq!(fan.locate(&sample), (triangle, sample.q));
+            assert_eq!(fan.locate(Doubles::splat(x), Doubles::splat(y)), ([triangle; LANES], Doubles::splat(sample.q)));
             assert_eq!(fan.depth_if_covered(&sample), Some(sample.q));
         }
         assert_eq!(fan.depth_if_covered(&plane(3.0, 1.0)), None);

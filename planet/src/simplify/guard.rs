@@ -122,7 +122,7 @@ impl Guard {
         patch.samples_below_star(v, &mut self.below);
         self.below.iter().all(|&s| {
             let sample = patch.sample(s);
-            self.fan.depth_if_covered(&sample).is_none_or(|depth| patch.surface.radial_error(s, &sample, depth) <= limit)
+            self.fan.depth_if_covered(&sample).is_none_or(|depth| patch.surface.radial_error(s, sample.q, depth) <= limit)
         })
     }
 

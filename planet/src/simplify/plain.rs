@@ -5,15 +5,17 @@
 
 use super::decimator::Decimator;
 use super::mesh::{Mesh, NONE};
+use super::queue::Queue;
 use super::samples::{Samples, MOST_SAMPLES_A_SIDE};
 use crate::heightfield::{Heightfield, TriangleSurface};
-use std::cmp::Reverse;
-use std::collections::BinaryHeap;
 use thiserror::Error;
 
 /// Share of the height range that the longest edge of the whole field adds to an order by error, so that flat ground coarsens
 /// evenly instead of from one end.
 const EVENNESS: f64 = 1e-6;
+
+/// Samples along the side of the tiles that the queue keeps together; all about one fits a second-level cache.
+const TILE: usize = 64;
 
 /// Why a heightfield cannot be simplified.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
@@ -66,6 +68,8 @@ enum Place {
 #[derive(Clone, Copy)]
 struct Entry {
     key: f32,
+    /// Largest key of the collapses that this vertex's own comes after, and once it is done its own.
+    reached: f32,
     into: u32,
     queued: bool,
     fresh: bool,
@@ -74,7 +78,7 @@ struct Entry {
 struct Simplifier {
     decimator: Decimator,
     entries: Vec<Entry>,
-    queue: BinaryHeap<Reverse<u64>>,
+    queue: Queue,
     /// Height that a cell of edge length adds to a key.
     evenness: f32,
     result: HalfEdgeCollapses,
@@ -116,8 +120,8 @@ impl Simplifier {
         };
         Simplifier {
             decimator: Decimator::new(samples, columns, rows),
-            entries: vec![Entry { key: 0.0, into: NONE, queued: false, fresh: false }; count],
-            queue: BinaryHeap::with_capacity(count),
+            entries: vec![Entry { key: 0.0, reached: 0.0, into: NONE, queued: false, fresh: false }; count],
+            queue: Queue::new(),
             evenness: (EVENNESS * range / columns.max(rows) as f64) as f32,
             result,
         }
@@ -135,21 +139,29 @@ impl Simplifier {
 
     fn run(&mut self) {
         (0..self.entries.len() as u32).for_each(|v| self.enqueue(v));
-        while let Some(Reverse(packed)) = self.queue.pop() {
-            let v = packed as u32;
+        while let Some(v) = self.queue.pop() {
             self.entries[v as usize].queued = false;
             if self.decimator.is_alive(v) {
                 self.visit(v);
             }
         }
+        // The queue goes tile by tile; what depends on each other already stands in order.
+        let entries = &self.entries;
+        self.result.order.sort_by(|&a, &b| entries[a as usize].reached.total_cmp(&entries[b as usize].reached));
     }
 
-    /// Puts a vertex into the queue unless it is there. Keys are not negative, so their bits order like numbers; ties go by number.
+    fn tile(&self, v: u32) -> u32 {
+        let (column, row) = (v as usize % self.result.columns, v as usize / self.result.columns);
+        (row / TILE * self.result.columns.div_ceil(TILE) + column / TILE) as u32
+    }
+
+    /// Puts a vertex into the queue unless it is there.
     fn enqueue(&mut self, v: u32) {
         if !self.entries[v as usize].queued && self.place(v) != Place::Corner {
             let entry = &mut self.entries[v as usize];
             entry.queued = true;
-            self.queue.push(Reverse(u64::from(entry.key.to_bits()) << 32 | u64::from(v)));
+            let key = entry.key;
+            self.queue.push(key, self.tile(v), v);
         }
     }
 
@@ -159,9 +171,8 @@ impl Simplifier {
         if !self.entries[v as usize].fresh {
             let Some((into, key)) = self.rank(v) else { return };
             let entry = &mut self.entries[v as usize];
-            let risen = key > entry.key;
-            *entry = Entry { key, into, queued: false, fresh: true };
-            if risen {
+            *entry = Entry { key: key.max(entry.key), into, fresh: true, ..*entry };
+            if !self.queue.is_due(key) {
                 return self.enqueue(v);
             }
         }
@@ -178,14 +189,19 @@ impl Simplifier {
 
     fn perform_collapse(&mut self, v: u32) {
         let into = self.entries[v as usize].into;
-        let error = self.decimator.measure(into, |_, sample, depth| (depth - sample.q).abs());
+        let error = self.decimator.measure(into, |_, own, depth| (depth - own).abs());
         self.result.error[v as usize] = error as f32;
         self.result.parent[v as usize] = into;
         self.result.order.push(v);
+        let entry = &mut self.entries[v as usize];
+        entry.reached = entry.reached.max(error as f32);
+        let reached = entry.reached;
         self.decimator.collapse(v, into);
         for k in 0..self.decimator.star.ring.len() {
             let r = self.decimator.star.ring[k];
-            self.entries[r as usize].fresh = false;
+            let entry = &mut self.entries[r as usize];
+            entry.fresh = false;
+            entry.reached = entry.reached.max(reached);
             self.enqueue(r);
         }
     }

@@ -6,7 +6,7 @@
 use super::mesh::NONE;
 
 /// One sample in the plane.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sample {
     /// Column, in cells.
     pub x: f64,
@@ -67,6 +67,14 @@ impl Samples {
     pub fn at(&self, s: u32) -> Sample {
         let stored = &self.stored[s as usize];
         Sample { x: self.columns[usize::from(stored.column)], y: self.rows[usize::from(stored.row)], q: stored.q }
+    }
+
+    /// A sample, and the one after it in the list of its triangle.
+    #[inline(always)]
+    pub fn at_and_next(&self, s: u32) -> (Sample, u32) {
+        let stored = &self.stored[s as usize];
+        let (x, y) = (self.columns[usize::from(stored.column)], self.rows[usize::from(stored.row)]);
+        (Sample { x, y, q: stored.q }, stored.next)
     }
 
     /// The sample after `s` in the list of its triangle.

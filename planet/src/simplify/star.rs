@@ -4,46 +4,62 @@
 //! *ranked* in single precision relative to the vertex, eight samples at a time; what is chosen is measured again in double
 //! precision before anything relies on it ([`super::fan`]).
 
+use super::lanes::{Doubles, Singles, LANES};
 use super::mesh::{Mesh, NONE};
-use super::samples::Samples;
+use super::samples::{Sample, Samples};
 use multiversion::multiversion;
 
 /// Least doubled area, in grid cells, of a triangle that a collapse may create.
 pub const LEAST_AREA: f64 = 0.05;
 
-/// Samples evaluated together.
-const LANES: usize = 8;
-
-/// Samples relative to the vertex; spare places repeat the first one.
+/// Eight samples. Spare lanes have no number, and hold the vertex.
 #[derive(Clone, Copy)]
-struct Chunk {
-    x: [f32; LANES],
-    y: [f32; LANES],
-    q: [f32; LANES],
+pub(super) struct Chunk {
+    pub(super) x: Doubles,
+    pub(super) y: Doubles,
+    pub(super) q: Doubles,
+    pub(super) numbers: [u32; LANES],
 }
 
-/// A place relative to the vertex.
-#[derive(Clone, Copy, Default)]
-struct Place {
-    x: f32,
-    y: f32,
-    q: f32,
+const EMPTY: Chunk =
+    Chunk { x: Doubles([0.0; LANES]), y: Doubles([0.0; LANES]), q: Doubles([0.0; LANES]), numbers: [NONE; LANES] };
+
+/// The same relative to the vertex.
+#[derive(Clone, Copy)]
+struct Near {
+    x: Singles,
+    y: Singles,
+    q: Singles,
 }
 
-impl Place {
-    #[inline(always)]
-    fn minus(self, other: Place) -> Place {
-        Place { x: self.x - other.x, y: self.y - other.y, q: self.q - other.q }
+/// The ring relative to the vertex, twice and a few lanes more: the ring from any neighbour on is one slice, and so are the
+/// eight neighbours that come some steps after eight others.
+#[derive(Default)]
+struct Ring {
+    x: Vec<f32>,
+    y: Vec<f32>,
+    q: Vec<f32>,
+}
+
+impl Ring {
+    fn fill(&mut self, samples: &Samples, ring: &[u32], origin: &Sample) {
+        for numbers in [&mut self.x, &mut self.y, &mut self.q] {
+            numbers.clear();
+        }
+        for &r in ring {
+            let sample = samples.at(r);
+            self.x.push((sample.x - origin.x) as f32);
+            self.y.push((sample.y - origin.y) as f32);
+            self.q.push((sample.q - origin.q) as f32);
+        }
+        for numbers in [&mut self.x, &mut self.y, &mut self.q] {
+            numbers.extend_from_within(..);
+            numbers.extend([0.0; LANES]);
+        }
     }
 
-    #[inline(always)]
-    fn length_squared(self) -> f32 {
-        self.x * self.x + self.y * self.y
-    }
-
-    #[inline(always)]
-    fn cross(self, other: Place) -> f32 {
-        self.x * other.y - self.y * other.x
+    fn length_squared(&self, k: usize) -> f32 {
+        self.x[k] * self.x[k] + self.y[k] * self.y[k]
     }
 }
 
@@ -56,7 +72,7 @@ pub struct Candidate {
     pub error: f32,
 }
 
-/// One side of the next triangle of a fan, and the affine function on the triangle after it.
+/// The first side of a fan's triangle, and the affine function on it. One more, with the last side, ends the fan.
 #[derive(Clone, Copy, Default)]
 struct Spoke {
     x: f32,
@@ -73,13 +89,14 @@ pub struct Star {
     pub ring: Vec<u32>,
     /// Whether the ring closes (it does not on the boundary).
     pub closed: bool,
-    /// The samples below the star, the vertex itself first.
-    pub below: Vec<u32>,
-    /// The ring twice, so that the ring from any neighbour on is one slice.
-    places: Vec<Place>,
+    /// As many as were ever needed; the first `count` places are in use.
     chunks: Vec<Chunk>,
-    /// Neighbours that see the whole ring: error at the vertex alone, squared distance, place in the ring.
-    open: Vec<(f32, f32, u32)>,
+    count: usize,
+    origin: Sample,
+    near: Vec<Near>,
+    places: Ring,
+    /// For every neighbour the error at the vertex alone, infinite if it does not see the whole ring.
+    at_vertex: Vec<f32>,
     spokes: Vec<Spoke>,
 }
 
@@ -87,114 +104,166 @@ impl Star {
     /// Gathers the neighbourhood of a living vertex.
     pub fn gather(&mut self, mesh: &Mesh, samples: &Samples, v: u32) {
         self.closed = mesh.walk(v, &mut self.edges, &mut self.ring);
-        self.below.clear();
-        self.below.push(v);
-        for &e in &self.edges {
-            let mut s = mesh.first_sample(e);
+        self.origin = samples.at(v);
+        self.count = 0;
+        self.add(v, self.origin);
+        for k in 0..self.edges.len() {
+            let mut s = mesh.first_sample(self.edges[k]);
             while s != NONE {
-                self.below.push(s);
-                s = samples.next(s);
+                let (sample, following) = samples.at_and_next(s);
+                self.add(s, sample);
+                s = following;
             }
         }
+        while !self.count.is_multiple_of(LANES) {
+            self.add(NONE, self.origin);
+        }
+        self.places.fill(samples, &self.ring, &self.origin);
+    }
+
+    /// The samples below the star, the vertex itself first.
+    pub(super) fn below(&self) -> &[Chunk] {
+        &self.chunks[..self.count / LANES]
+    }
+
+    #[inline(always)]
+    fn add(&mut self, number: u32, sample: Sample) {
+        let (c, lane) = (self.count / LANES, self.count % LANES);
+        if c == self.chunks.len() {
+            self.chunks.push(EMPTY);
+        }
+        let chunk = &mut self.chunks[c];
+        (chunk.x.0[lane], chunk.y.0[lane], chunk.q.0[lane]) = (sample.x, sample.y, sample.q);
+        chunk.numbers[lane] = number;
+        self.count += 1;
+    }
+
+    /// Length of the longest edge in the plane, in cells.
+    pub fn longest_edge(&self) -> f32 {
+        (0..self.ring.len()).map(|k| self.places.length_squared(k)).fold(0.0, f32::max).sqrt()
     }
 
     /// The neighbour among those allowed whose collapse has the least error; `None` if none of them sees the whole ring.
-    pub fn rank(&mut self, samples: &Samples, allowed: impl Fn(u32) -> bool) -> Option<Candidate> {
-        self.place(samples);
-        self.open.clear();
-        for k in 0..self.ring.len() {
-            if allowed(self.ring[k]) {
-                if let Some(error) = error_at_vertex(&self.places[k..k + self.ring.len()]) {
-                    self.open.push((error, self.places[k].length_squared(), k as u32));
-                }
+    pub fn rank(&mut self, allowed: impl Fn(u32) -> bool) -> Option<Candidate> {
+        let count = self.ring.len();
+        if count < 3 {
+            return None;
+        }
+        self.near.clear();
+        bring_near(&self.origin, &self.chunks[..self.count / LANES], &mut self.near);
+        self.at_vertex.clear();
+        errors_at_vertex(&self.places, count, &mut self.at_vertex);
+        for (error, &p) in self.at_vertex.iter_mut().zip(&self.ring) {
+            if !allowed(p) {
+                *error = f32::INFINITY;
             }
         }
-        // Least error at the vertex first: it is nearly always the best, and the others then stop early. Of equals the nearest.
-        self.open.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.total_cmp(&b.1)).then(a.2.cmp(&b.2)));
         let mut best: Option<Candidate> = None;
-        for &(at_vertex, _, k) in &self.open {
+        // Least error at the vertex first: it is nearly always the best, and the others then need no look.
+        while let Some(k) = self.least_at_vertex() {
             let limit = best.map_or(f32::INFINITY, |b| b.error);
-            if at_vertex >= limit {
+            if self.at_vertex[k] >= limit {
                 break;
             }
-            let ring = &self.places[k as usize..k as usize + self.ring.len()];
-            if let Some(error) = fan_error(ring, &mut self.chunks, &mut self.spokes, limit) {
-                best = Some(Candidate { into: self.ring[k as usize], error });
+            self.at_vertex[k] = f32::INFINITY;
+            open_fan(&self.places, k..k + count, &mut self.spokes);
+            let apex = [self.places.x[k], self.places.y[k], self.places.q[k]];
+            if let Some(error) = largest_error(apex, &self.spokes, &mut self.near, limit) {
+                best = Some(Candidate { into: self.ring[k], error });
             }
         }
         best
     }
 
-    /// Length of the ranked star's longest edge in the plane, in cells.
-    pub fn longest_edge(&self) -> f32 {
-        self.places.iter().map(|p| p.length_squared()).fold(0.0, f32::max).sqrt()
-    }
-
-    /// Brings ring and samples into single precision relative to the vertex.
-    fn place(&mut self, samples: &Samples) {
-        let origin = samples.at(self.below[0]);
-        let relative = |s: u32| {
-            let sample = samples.at(s);
-            Place { x: (sample.x - origin.x) as f32, y: (sample.y - origin.y) as f32, q: (sample.q - origin.q) as f32 }
-        };
-        self.places.clear();
-        self.places.extend(self.ring.iter().map(|&r| relative(r)));
-        self.places.extend_from_within(..);
-        self.chunks.clear();
-        for group in self.below.chunks(LANES) {
-            let mut chunk = Chunk { x: [0.0; LANES], y: [0.0; LANES], q: [0.0; LANES] };
-            for (lane, &s) in group.iter().enumerate() {
-                let place = relative(s);
-                (chunk.x[lane], chunk.y[lane], chunk.q[lane]) = (place.x, place.y, place.q);
+    /// The neighbour of least error at the vertex that is left, the nearest of equals.
+    fn least_at_vertex(&self) -> Option<usize> {
+        let mut least: Option<usize> = None;
+        for (k, &error) in self.at_vertex.iter().enumerate() {
+            let better = match least {
+                None => error < f32::INFINITY,
+                Some(l) if error == self.at_vertex[l] => self.places.length_squared(k) < self.places.length_squared(l),
+                Some(l) => error < self.at_vertex[l],
+            };
+            if better {
+                least = Some(k);
             }
-            self.chunks.push(chunk);
+        }
+        least
+    }
+}
+
+/// Takes samples relative to the vertex, in single precision.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+fn bring_near(origin: &Sample, chunks: &[Chunk], near: &mut Vec<Near>) {
+    let relative = |numbers: Doubles, origin: f64| (numbers - Doubles::splat(origin)).to_singles();
+    near.extend(chunks.iter().map(|chunk| Near {
+        x: relative(chunk.x, origin.x),
+        y: relative(chunk.y, origin.y),
+        q: relative(chunk.q, origin.q),
+    }));
+}
+
+/// Errors at the vertex (the origin) once it has collapsed into each of its `count` neighbours, infinite for those that do not see
+/// the whole ring. Eight neighbours together: the next corner of all eight fans is the next eight places of the ring.
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+fn errors_at_vertex(ring: &Ring, count: usize, errors: &mut Vec<f32>) {
+    let least_area = Singles::splat(LEAST_AREA as f32);
+    let infinite = Singles::splat(f32::INFINITY);
+    for first in (0..count).step_by(LANES) {
+        let at = |k: usize| [&ring.x, &ring.y, &ring.q].map(|numbers| Singles::load(numbers, k));
+        let apex = at(first);
+        let from_apex = |p: [Singles; 3]| [p[0] - apex[0], p[1] - apex[1]];
+        let cross = |a: [Singles; 2], b: [Singles; 2]| a[0] * b[1] - a[1] * b[0];
+        let origin = [apex[0], apex[1]];
+        let mut corner = at(first + 1);
+        let mut a = from_apex(corner);
+        let mut from_a = cross(origin, a);
+        let mut inside = Singles::splat(f32::NEG_INFINITY);
+        let (mut weighted, mut total) = (Singles::splat(0.0), Singles::splat(1.0));
+        let mut hidden = Singles::splat(0.0);
+        for step in 2..count {
+            let next = at(first + step);
+            let b = from_apex(next);
+            let (from_b, area) = (cross(origin, b), cross(a, b));
+            hidden = area.more_than(least_area).select(hidden, infinite);
+            // The vertex lies in the triangle that it is furthest inside of; from_a and -from_b are its weights of b and a.
+            let depth = from_a.min(Singles::splat(0.0) - from_b);
+            let deeper = depth.more_than(inside);
+            inside = deeper.select(depth, inside);
+            weighted = deeper.select((next[2] - apex[2]) * from_a - (corner[2] - apex[2]) * from_b, weighted);
+            total = deeper.select(area, total);
+            (corner, a, from_a) = (next, b, from_b);
+        }
+        for lane in 0..LANES.min(count - first) {
+            let error = (apex[2].0[lane] + weighted.0[lane] / total.0[lane]).abs();
+            errors.push(if hidden.0[lane] > 0.0 { f32::INFINITY } else { error });
         }
     }
 }
 
-/// Error at the vertex itself (the origin) once it has collapsed into the first of the ring, or `None` where that does not see
-/// all of the ring.
-#[inline(always)]
-fn error_at_vertex(ring: &[Place]) -> Option<f32> {
-    let apex = ring[0];
-    let mut a = ring[1].minus(apex);
-    let mut found = 0.0;
-    let mut inside = f32::NEG_INFINITY;
-    for place in &ring[2..] {
-        let b = place.minus(apex);
-        let area = a.cross(b);
-        if area <= LEAST_AREA as f32 {
-            return None;
-        }
-        // The vertex lies in the triangle that it is furthest inside of; barycentric weights of a and b.
-        let (wb, wa) = (-(a.x * apex.y - a.y * apex.x), -(apex.x * b.y - apex.y * b.x));
-        if wa.min(wb) > inside {
-            inside = wa.min(wb);
-            found = apex.q + (a.q * wa + b.q * wb) / area;
-        }
+/// Fills `spokes` with the fan from the first of a stretch of the ring over the others.
+fn open_fan(ring: &Ring, stretch: std::ops::Range<usize>, spokes: &mut Vec<Spoke>) {
+    let (x, y, q) = (&ring.x[stretch.clone()], &ring.y[stretch.clone()], &ring.q[stretch]);
+    let from_apex = |k: usize| [x[k] - x[0], y[k] - y[0], q[k] - q[0]];
+    spokes.clear();
+    let mut a = from_apex(1);
+    for k in 2..x.len() {
+        let b = from_apex(k);
+        let scale = 1.0 / (a[0] * b[1] - a[1] * b[0]);
+        let slope = [(a[2] * b[1] - b[2] * a[1]) * scale, (b[2] * a[0] - a[2] * b[0]) * scale];
+        spokes.push(Spoke { x: a[0], y: a[1], slope });
         a = b;
     }
-    Some(found.abs())
+    spokes.push(Spoke { x: a[0], y: a[1], slope: [0.0; 2] });
 }
 
-/// Largest error of the fan from the first of the ring over all samples, or `None` once it reaches `limit`. The chunk that was
-/// worst moves to the front, where it stops the next candidate early.
+/// Largest error of a fan over all samples, or `None` once it reaches `limit`. The chunk that was worst moves to the front, where
+/// it stops the next candidate early.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
-fn fan_error(ring: &[Place], chunks: &mut [Chunk], spokes: &mut Vec<Spoke>, limit: f32) -> Option<f32> {
-    let apex = ring[0];
-    spokes.clear();
-    for pair in ring[1..].windows(2) {
-        let (a, b) = (pair[0].minus(apex), pair[1].minus(apex));
-        let scale = 1.0 / a.cross(b);
-        let slope = [(a.q * b.y - b.q * a.y) * scale, (b.q * a.x - a.q * b.x) * scale];
-        spokes.push(Spoke { x: a.x, y: a.y, slope });
-    }
-    let (first, last) = (ring[1].minus(apex), ring[ring.len() - 1].minus(apex));
-    let wide = first.cross(last) <= 0.0;
+fn largest_error(apex: [f32; 3], spokes: &[Spoke], chunks: &mut [Near], limit: f32) -> Option<f32> {
     let (mut worst, mut worst_chunk) = (0.0f32, 0);
     for (c, chunk) in chunks.iter().enumerate() {
-        let errors = if wide { errors_of_wide_fan(apex, spokes, last, chunk) } else { errors_of_fan(apex, spokes, chunk) };
-        let largest = errors.iter().copied().fold(0.0, f32::max);
+        let largest = errors(apex, spokes, chunk).largest();
         if largest >= limit {
             chunks.swap(0, c);
             return None;
@@ -207,44 +276,22 @@ fn fan_error(ring: &[Place], chunks: &mut [Chunk], spokes: &mut Vec<Spoke>, limi
     Some(worst)
 }
 
-/// Errors of eight samples below a fan narrower than half a turn: a sample belongs to the last spoke that it is left of.
+/// Errors of eight samples: each belongs to the triangle whose two sides from the apex it is furthest inside of.
 #[inline(always)]
-fn errors_of_fan(apex: Place, spokes: &[Spoke], chunk: &Chunk) -> [f32; LANES] {
-    let (mut x, mut y) = (chunk.x, chunk.y);
-    let (mut sx, mut sy) = ([spokes[0].slope[0]; LANES], [spokes[0].slope[1]; LANES]);
-    for lane in 0..LANES {
-        x[lane] -= apex.x;
-        y[lane] -= apex.y;
+fn errors(apex: [f32; 3], spokes: &[Spoke], chunk: &Near) -> Singles {
+    let (x, y) = (chunk.x - Singles::splat(apex[0]), chunk.y - Singles::splat(apex[1]));
+    let cross = |spoke: &Spoke| Singles::splat(spoke.x) * y - Singles::splat(spoke.y) * x;
+    let mut from_a = cross(&spokes[0]);
+    let mut inside = Singles::splat(f32::NEG_INFINITY);
+    let (mut sx, mut sy) = (Singles::splat(0.0), Singles::splat(0.0));
+    for pair in spokes.windows(2) {
+        let from_b = cross(&pair[1]);
+        let depth = from_a.min(Singles::splat(0.0) - from_b);
+        let deeper = depth.more_than(inside);
+        inside = deeper.select(depth, inside);
+        sx = deeper.select(Singles::splat(pair[0].slope[0]), sx);
+        sy = deeper.select(Singles::splat(pair[0].slope[1]), sy);
+        from_a = from_b;
     }
-    for spoke in &spokes[1..] {
-        for lane in 0..LANES {
-            let left = spoke.x * y[lane] - spoke.y * x[lane] >= 0.0;
-            sx[lane] = if left { spoke.slope[0] } else { sx[lane] };
-            sy[lane] = if left { spoke.slope[1] } else { sy[lane] };
-        }
-    }
-    let mut errors = [0.0; LANES];
-    for lane in 0..LANES {
-        errors[lane] = (apex.q + sx[lane] * x[lane] + sy[lane] * y[lane] - chunk.q[lane]).abs();
-    }
-    errors
-}
-
-/// The same for any fan: a sample belongs to the triangle whose two sides it is furthest inside of.
-#[inline(always)]
-fn errors_of_wide_fan(apex: Place, spokes: &[Spoke], last: Place, chunk: &Chunk) -> [f32; LANES] {
-    let mut errors = [0.0; LANES];
-    for lane in 0..LANES {
-        let (x, y) = (chunk.x[lane] - apex.x, chunk.y[lane] - apex.y);
-        let (mut inside, mut slope) = (f32::NEG_INFINITY, [0.0; 2]);
-        for (k, spoke) in spokes.iter().enumerate() {
-            let end = spokes.get(k + 1).map_or([last.x, last.y], |s| [s.x, s.y]);
-            let depth = (spoke.x * y - spoke.y * x).min(x * end[1] - y * end[0]);
-            if depth > inside {
-                (inside, slope) = (depth, spoke.slope);
-            }
-        }
-        errors[lane] = (apex.q + slope[0] * x + slope[1] * y - chunk.q[lane]).abs();
-    }
-    errors
+    (Singles::splat(apex[2]) + sx * x + sy * y - chunk.q).abs()
 }

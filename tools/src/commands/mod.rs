@@ -39,5 +39,6 @@ commands! {
     mesh => Mesh,
     shot => Shot,
     simplify => Simplify,
+    study => Study,
     verify => Verify,
 }
