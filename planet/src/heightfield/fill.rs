@@ -62,7 +62,8 @@ impl Level {
     /// Bilinear value at a sample of the level that is twice as fine.
     fn between(&self, column: usize, row: usize) -> f32 {
         // The sample lies a quarter of a cell from the centre of the cell that holds it.
-        let beside = |k: usize, most: usize| if k % 2 == 0 { (k / 2).saturating_sub(1) } else { (k / 2 + 1).min(most - 1) };
+        let beside =
+            |k: usize, most: usize| if k.is_multiple_of(2) { (k / 2).saturating_sub(1) } else { (k / 2 + 1).min(most - 1) };
         let (c, r) = (column / 2, row / 2);
         let (c2, r2) = (beside(column, self.columns), beside(row, self.rows));
         let at = |c: usize, r: usize| f64::from(self.values[r * self.columns + c]);
