@@ -109,7 +109,7 @@ impl WarpedGrid {
     }
 
     /// Unit direction of the sample in a column and a row, the same bits as [`direction`] of its cube point.
-    #[inline]
+    #[inline(always)]
     pub fn direction(&self, column: usize, row: usize) -> DVec3 {
         let (u, v) = self.face.grid_axes();
         let mut point = [0.0; 3];
@@ -117,6 +117,47 @@ impl WarpedGrid {
         point[v] = self.rows[row];
         point[self.face.normal_axis()] = f64::from(self.face.sign());
         normalise(point[0], point[1], point[2])
+    }
+}
+
+/// The samples of a square grid in strips of a few rows, column by column: any run of some tens of them lies close together, which
+/// is what terrain is evaluated fastest for.
+pub(crate) fn strips(side: usize) -> Vec<usize> {
+    const ROWS: usize = 8;
+    let strip = |first: usize| {
+        let rows = first..(first + ROWS).min(side);
+        (0..side).flat_map(move |column| rows.clone().map(move |row| row * side + column))
+    };
+    (0..side).step_by(ROWS).flat_map(strip).collect()
+}
+
+/// Directions of a row of samples; wide instructions give the same bits, see [`crate::terrain`]. Each coordinate by itself first:
+/// places in memory that take turns would keep the division from being vectorised.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn fill_directions(warped: &WarpedGrid, row: usize, directions: &mut [DVec3]) {
+    const RUN: usize = 32;
+    let (u, v) = warped.face.grid_axes();
+    let mut point = [[f64::from(warped.face.sign()); RUN]; 3];
+    point[v] = [warped.rows[row]; RUN];
+    for (columns, directions) in warped.columns.chunks(RUN).zip(directions.chunks_mut(RUN)) {
+        point[u][..columns.len()].copy_from_slice(columns);
+        let [x, y, z] = &point;
+        let mut found = [[0.0; RUN]; 3];
+        for i in 0..RUN {
+            let unit = normalise(x[i], y[i], z[i]);
+            (found[0][i], found[1][i], found[2][i]) = (unit.x, unit.y, unit.z);
+        }
+        for (i, direction) in directions.iter_mut().enumerate() {
+            *direction = DVec3::new(found[0][i], found[1][i], found[2][i]);
+        }
+    }
+}
+
+/// Heights in whole lattice units.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn quantise(lattice: &Lattice, metres: &[f64], heights: &mut [i32]) {
+    for (height, &metres) in heights.iter_mut().zip(metres) {
+        *height = lattice.quantise_height(metres);
     }
 }
 
@@ -141,9 +182,18 @@ impl HeightGrid {
         let range = -GUTTER..=parts as i32 + GUTTER;
         let side = (parts as i32 + 2 * GUTTER + 1) as usize;
         let warped = WarpedGrid::new(id, range, parts);
-        let directions: Vec<DVec3> = (0..side * side).map(|k| warped.direction(k % side, k / side)).collect();
-        let metres = ground.metres(&directions);
-        let heights = metres.iter().map(|&h| ground.lattice.quantise_height(h)).collect();
+        let mut directions = vec![DVec3::ZERO; side * side];
+        for (row, directions) in directions.chunks_exact_mut(side).enumerate() {
+            fill_directions(&warped, row, directions);
+        }
+        let order = strips(side);
+        let ordered: Vec<DVec3> = order.iter().map(|&k| directions[k]).collect();
+        let mut metres = vec![0.0; side * side];
+        for (&k, height) in order.iter().zip(ground.metres(&ordered)) {
+            metres[k] = height;
+        }
+        let mut heights = vec![0; side * side];
+        quantise(&ground.lattice, &metres, &mut heights);
         HeightGrid { side, metres, heights, directions, warped }
     }
 

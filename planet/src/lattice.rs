@@ -32,7 +32,7 @@ impl Lattice {
     }
 
     /// A height in metres as whole units.
-    #[inline]
+    #[inline(always)]
     pub fn quantise_height(&self, height: f64) -> i32 {
         (height / self.unit).round() as i32
     }

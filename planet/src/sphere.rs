@@ -41,7 +41,7 @@ pub fn unwarp(y: f64) -> f64 {
 }
 
 /// Unit direction of three warped components, always normalised in x, y, z order.
-#[inline]
+#[inline(always)]
 pub fn normalise(x: f64, y: f64, z: f64) -> DVec3 {
     let length = (x * x + y * y + z * z).sqrt();
     DVec3::new(x / length, y / length, z / length)

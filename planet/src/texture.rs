@@ -4,7 +4,7 @@
 //! A texture has one texel per half cell and [`GUTTER`] more on every side. The gutters hold the same function values as the
 //! neighbours' texels, so filtering shows no seam, down to mip level 2.
 
-use crate::ground::{Ground, GroundColour, GroundPoint, HeightGrid, GUTTER};
+use crate::ground::{strips, Ground, GroundColour, GroundPoint, HeightGrid, GUTTER};
 use crate::patch::PatchId;
 use glam::DVec3;
 
@@ -45,13 +45,14 @@ pub fn tangents(id: PatchId, up: DVec3) -> (DVec3, DVec3) {
 /// the sea or deeper, 255 that much above it or higher. Shading needs it because the mesh may be coarser than the water is deep.
 pub fn encode_shore(above_sea: f64) -> u8 {
     let share = (above_sea.abs() / SHORE_RANGE).min(1.0).sqrt();
-    (127.5 + 127.5 * share * above_sea.signum()).round() as u8
+    (127.5 + 127.5 * share * above_sea.signum() + 0.5) as u8
 }
 
 /// Slope in [-STEEPEST, STEEPEST] to 8 bits, by square root so that gentle slopes keep their precision.
+#[inline(always)]
 pub fn encode_slope(slope: f64) -> i8 {
     let clamped = (slope.abs() / STEEPEST).min(1.0);
-    let code = (clamped.sqrt() * 127.0).round();
+    let code = (clamped.sqrt() * 127.0 + 0.5) as i32;
     (if slope < 0.0 { -code } else { code }) as i8
 }
 
@@ -65,30 +66,112 @@ impl PatchTexture {
     /// Textures of a sampled patch.
     pub fn new(ground: &Ground, colour: &dyn GroundColour, id: PatchId, grid: &HeightGrid) -> PatchTexture {
         let side = texture_side(ground.cells) as usize;
-        let radius = ground.lattice.radius * ground.lattice.unit;
-        let mut slopes = Vec::with_capacity(side * side);
-        let mut points = Vec::with_capacity(side * side);
-        let positions: Vec<DVec3> = grid.directions.iter().zip(&grid.metres).map(|(&d, &h)| d * (radius + h)).collect();
-        for row in 0..side {
-            for column in 0..side {
-                let corners = [0, 1, grid.side, grid.side + 1].map(|k| row * grid.side + column + k);
-                let [p00, p10, p01, p11] = corners.map(|k| positions[k]);
-                let sum = p00 + p10 + p01 + p11;
-                let up = sum / sum.dot(sum).sqrt();
-                let (first, second) = tangents(id, up);
-                let normal = (p11 - p00).cross(p01 - p10);
-                let rise = normal.dot(up);
-                let slope = [-normal.dot(first) / rise, -normal.dot(second) / rise];
-                let height = corners.iter().map(|&k| grid.metres[k]).sum::<f64>() / 4.0;
-                slopes.push(slope.map(encode_slope));
-                points.push(GroundPoint { direction: up, height, slope: (slope[0] * slope[0] + slope[1] * slope[1]).sqrt() });
+        let frame =
+            Frame { datum: ground.lattice.radius * ground.lattice.unit, axis: DVec3::AXES[id.face.grid_axes().0].to_array() };
+        let mut slopes = vec![[0; 2]; side * side];
+        let mut points = vec![GroundPoint { direction: DVec3::ZERO, height: 0.0, slope: 0.0 }; side * side];
+        for (row, (slopes, points)) in slopes.chunks_exact_mut(side).zip(points.chunks_exact_mut(side)).enumerate() {
+            for first in (0..side).step_by(RUN) {
+                let run = first..(first + RUN).min(side);
+                shape_run(grid, &frame, [first, row], &mut slopes[run.clone()], &mut points[run]);
             }
         }
-        let mut albedo = vec![[0; 3]; points.len()];
-        colour.albedo(&points, &mut albedo);
+        let albedo = albedo(colour, &points, side);
         let above_sea = |p: &GroundPoint| colour.sea_level().map_or(u8::MAX, |level| encode_shore(p.height - level));
         let shore = points.iter().map(above_sea).collect();
         PatchTexture { slopes, albedo, shore }
+    }
+}
+
+/// Albedo of a square of points, asked for in an order that suits the terrain.
+fn albedo(colour: &dyn GroundColour, points: &[GroundPoint], side: usize) -> Vec<[u8; 3]> {
+    let order = strips(side);
+    let ordered: Vec<GroundPoint> = order.iter().map(|&k| points[k]).collect();
+    let mut found = vec![[0; 3]; points.len()];
+    colour.albedo(&ordered, &mut found);
+    let mut albedo = vec![[0; 3]; points.len()];
+    for (&k, found) in order.iter().zip(found) {
+        albedo[k] = found;
+    }
+    albedo
+}
+
+/// Texels shaped together.
+const RUN: usize = 32;
+
+/// What the slopes of a patch refer to.
+struct Frame {
+    /// Radius in metres that heights are added to.
+    datum: f64,
+    /// The face's first grid axis.
+    axis: Vector,
+}
+
+type Vector = [f64; 3];
+
+/// One value for each axis, sure to be inlined.
+#[inline(always)]
+fn axes(of: impl Fn(usize) -> f64) -> Vector {
+    [of(0), of(1), of(2)]
+}
+
+#[inline(always)]
+fn dot(a: Vector, b: Vector) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+#[inline(always)]
+fn cross(a: Vector, b: Vector) -> Vector {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[inline(always)]
+fn unit(a: Vector) -> Vector {
+    let length = dot(a, a).sqrt();
+    [a[0] / length, a[1] / length, a[2] / length]
+}
+
+/// Direction and slopes of the texel between four places (left and right on the lower row, then on the upper).
+#[inline(always)]
+fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 2]) {
+    let up = unit(axes(|k| p00[k] + p10[k] + p01[k] + p11[k]));
+    let share = dot(axis, up);
+    let first = unit(axes(|k| axis[k] - up[k] * share));
+    let second = cross(up, first);
+    let normal = cross(axes(|k| p11[k] - p00[k]), axes(|k| p01[k] - p10[k]));
+    let rise = dot(normal, up);
+    (up, [-dot(normal, first) / rise, -dot(normal, second) / rise])
+}
+
+/// Shapes up to [`RUN`] texels of a row, the first of which lies at `[column, row]`: encoded slopes, and the points whose albedo is
+/// then asked for. Local arrays of constant length, so that the middle loop vectorises; see [`crate::terrain`] for why that
+/// changes no bit.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes: &mut [[i8; 2]], points: &mut [GroundPoint]) {
+    let mut places = [[[0.0; RUN + 1]; 3]; 2];
+    for (r, [x, y, z]) in places.iter_mut().enumerate() {
+        let first = (row + r) * grid.side + column;
+        let samples = first..=first + slopes.len();
+        for (i, (d, h)) in grid.directions[samples.clone()].iter().zip(&grid.metres[samples]).enumerate() {
+            let radius = frame.datum + h;
+            (x[i], y[i], z[i]) = (d.x * radius, d.y * radius, d.z * radius);
+        }
+    }
+    let (mut ups, mut tangents) = ([[0.0; RUN]; 3], [[0.0; RUN]; 2]);
+    for i in 0..RUN {
+        let place = |r: usize, i: usize| axes(|k| places[r][k][i]);
+        let (up, slope) = shape([place(0, i), place(0, i + 1), place(1, i), place(1, i + 1)], frame.axis);
+        (ups[0][i], ups[1][i], ups[2][i]) = (up[0], up[1], up[2]);
+        (tangents[0][i], tangents[1][i]) = (slope[0], slope[1]);
+    }
+    let lower = &grid.metres[row * grid.side + column..];
+    let upper = &grid.metres[(row + 1) * grid.side + column..];
+    for (i, (slopes, point)) in slopes.iter_mut().zip(points).enumerate() {
+        let slope = [tangents[0][i], tangents[1][i]];
+        *slopes = [encode_slope(slope[0]), encode_slope(slope[1])];
+        point.direction = DVec3::new(ups[0][i], ups[1][i], ups[2][i]);
+        point.height = (lower[i] + lower[i + 1] + upper[i] + upper[i + 1]) * 0.25;
+        point.slope = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
     }
 }
 

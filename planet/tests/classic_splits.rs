@@ -94,9 +94,9 @@ fn each_of_f0_to_f3_may_be_missing() {
         for vu in 0..9 {
             if let Ok(split) = split_of(&mesh, vt, vu) {
                 there_and_back(&mesh, vt, vu);
-                for k in 0..4 {
-                    let face = if k < 2 { split.fl } else { split.fr };
-                    missing[k] |= face != NONE && split.f[k] == NONE;
+                let beside = [split.fl, split.fl, split.fr, split.fr];
+                for (seen, (face, neighbour)) in missing.iter_mut().zip(beside.into_iter().zip(split.f)) {
+                    *seen |= face != NONE && neighbour == NONE;
                 }
             }
         }

@@ -9,7 +9,7 @@ use terrane_planet::patch::PatchId;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::simplify::builder::Faults;
-use terrane_planet::store::{geometry, imagery, BakedPatch, PlanetFile, RecordError, StoreError};
+use terrane_planet::store::{geometry, imagery, BakedPatch, PlanetFile, RecordError, StoreError, FORMAT_VERSION};
 
 const CELLS: u32 = 16;
 
@@ -260,7 +260,7 @@ fn other_format_versions_are_refused_with_both_versions() {
         rusqlite::Connection::open(&path).unwrap().pragma_update(None, "user_version", version).unwrap();
         let error = PlanetFile::open(&path).unwrap_err();
         let text = error.to_string();
-        assert!(matches!(error, StoreError::Version { found, expected: 1, .. } if found == version), "{text}");
+        assert!(matches!(error, StoreError::Version { found, expected: FORMAT_VERSION, .. } if found == version), "{text}");
         assert!(text.contains(advice) && text.contains(&version.to_string()), "{text}");
     }
 }

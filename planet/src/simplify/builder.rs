@@ -250,9 +250,9 @@ impl Builder<'_> {
     fn visit_border(&mut self, b: u32) {
         let (target, other) = (self.patch.rules.target[b as usize], self.patch.rules.other[b as usize]);
         self.gather(b);
-        let decimator = &mut self.patch.decimator;
+        let decimator = &self.patch.decimator;
         let ready = decimator.star.ring.contains(&target) && decimator.star.ring.contains(&other);
-        if !ready || decimator.rank(|p| p == target).is_none() {
+        if !ready || !decimator.is_open(target) {
             return;
         }
         let error = self.measure(target);

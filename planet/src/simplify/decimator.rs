@@ -6,8 +6,8 @@
 
 use super::fan::Fan;
 use super::mesh::{Mesh, NONE};
-use super::samples::Samples;
-use super::star::{Candidate, Star};
+use super::samples::{area, Samples};
+use super::star::{Candidate, Star, LEAST_AREA};
 
 /// A mesh between two collapses, with the samples it approximates.
 pub struct Decimator {
@@ -43,18 +43,26 @@ impl Decimator {
         self.star.rank(allowed)
     }
 
+    /// Edges of the gathered ring that make a triangle with its vertex `p`, counter-clockwise.
+    fn edges_across(&self, p: u32) -> impl Iterator<Item = [u32; 2]> + '_ {
+        let ring = &self.star.ring;
+        let pairs = if self.star.closed { ring.len() } else { ring.len() - 1 };
+        (0..pairs).map(|k| [ring[k], ring[if k + 1 < ring.len() { k + 1 } else { 0 }]]).filter(move |edge| !edge.contains(&p))
+    }
+
+    /// Whether the gathered vertex can collapse into `p` of its ring: no triangle turns over or vanishes.
+    pub fn is_open(&self, p: u32) -> bool {
+        let apex = self.samples.at(p);
+        self.edges_across(p).all(|[a, b]| area(&apex, &self.samples.at(a), &self.samples.at(b)) > LEAST_AREA)
+    }
+
     /// The largest error of the gathered vertex's collapse into `p`, which must see its whole ring. `error` is that of a
     /// sample, by its number, between two depths: its own and that of the new triangles.
     pub fn measure(&mut self, p: u32, error: impl Fn(u32, f64, f64) -> f64) -> f64 {
-        self.fan.start(&self.samples.at(p));
-        let ring = &self.star.ring;
-        let pairs = if self.star.closed { ring.len() } else { ring.len() - 1 };
-        for k in 0..pairs {
-            let (a, b) = (ring[k], ring[if k + 1 < ring.len() { k + 1 } else { 0 }]);
-            if a != p && b != p {
-                self.fan.push(&self.samples.at(a), &self.samples.at(b));
-            }
-        }
+        let mut fan = std::mem::take(&mut self.fan);
+        fan.start(&self.samples.at(p));
+        self.edges_across(p).for_each(|[a, b]| fan.push(&self.samples.at(a), &self.samples.at(b)));
+        self.fan = fan;
         self.triangles.clear();
         let mut worst = 0.0f64;
         for chunk in self.star.below() {

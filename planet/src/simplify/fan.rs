@@ -4,8 +4,8 @@ use super::lanes::{Doubles, LANES};
 use super::samples::Sample;
 use multiversion::multiversion;
 
-/// How far, in doubled cells, a sample may lie outside a wedge and still belong to it.
-const SLACK: f64 = 1e-9;
+/// How far, in doubled cells, a place may lie outside a triangle and still belong to it.
+pub(super) const SLACK: f64 = 1e-9;
 
 /// One triangle (apex, a, b) of a fan, relative to the apex.
 struct Wedge {
@@ -15,10 +15,12 @@ struct Wedge {
 }
 
 impl Wedge {
-    /// How far inside of both sides from the apex a place is: doubled areas, the smaller one.
+    /// How far inside of each of the two sides from the apex places are: doubled areas.
     #[inline(always)]
-    fn inside(&self, x: f64, y: f64) -> f64 {
-        (self.a[0] * y - self.a[1] * x).min(x * self.b[1] - y * self.b[0])
+    fn sides(&self, x: Doubles, y: Doubles) -> [Doubles; 2] {
+        let from_a = Doubles::splat(self.a[0]) * y - Doubles::splat(self.a[1]) * x;
+        let to_b = x * Doubles::splat(self.b[1]) - y * Doubles::splat(self.b[0]);
+        [from_a, to_b]
     }
 }
 
@@ -53,19 +55,10 @@ impl Fan {
         locate(self.apex, &self.wedges, x, y)
     }
 
-    /// Depth of the fan at a sample, or `None` where no triangle of the fan covers it.
-    pub fn depth_if_covered(&self, sample: &Sample) -> Option<f64> {
-        let (x, y) = (sample.x - self.apex[0], sample.y - self.apex[1]);
-        let covers =
-            |w: &Wedge| w.inside(x, y) >= -SLACK && (w.b[0] - w.a[0]) * (y - w.a[1]) - (w.b[1] - w.a[1]) * (x - w.a[0]) >= -SLACK;
-        let wedge = self.wedges.iter().position(covers)?;
-        Some(self.depth(wedge, x, y))
-    }
-
-    #[inline(always)]
-    fn depth(&self, wedge: usize, x: f64, y: f64) -> f64 {
-        let [sx, sy] = self.wedges[wedge].slope;
-        self.apex[2] + sx * x + sy * y
+    /// For eight places how far inside the fan each is (doubled area, negative outside), and the depth of the fan there.
+    #[inline]
+    pub(super) fn cover(&self, x: Doubles, y: Doubles) -> (Doubles, Doubles) {
+        cover(self.apex, &self.wedges, x, y)
     }
 }
 
@@ -75,8 +68,7 @@ fn locate(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> ([u32; LA
     let mut inside = Doubles::splat(f64::NEG_INFINITY);
     let [mut found, mut sx, mut sy] = [Doubles::splat(0.0); 3];
     for (k, wedge) in wedges.iter().enumerate() {
-        let from_a = Doubles::splat(wedge.a[0]) * y - Doubles::splat(wedge.a[1]) * x;
-        let to_b = x * Doubles::splat(wedge.b[1]) - y * Doubles::splat(wedge.b[0]);
+        let [from_a, to_b] = wedge.sides(x, y);
         let depth = from_a.min(to_b);
         let deeper = depth.more_than(inside);
         inside = deeper.select(depth, inside);
@@ -85,6 +77,24 @@ fn locate(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> ([u32; LA
         sy = deeper.select(Doubles::splat(wedge.slope[1]), sy);
     }
     (found.0.map(|k| k as u32), Doubles::splat(apex[2]) + sx * x + sy * y)
+}
+
+#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+fn cover(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> (Doubles, Doubles) {
+    let (x, y) = (x - Doubles::splat(apex[0]), y - Doubles::splat(apex[1]));
+    let mut inside = Doubles::splat(f64::NEG_INFINITY);
+    let [mut sx, mut sy] = [Doubles::splat(0.0); 2];
+    for wedge in wedges {
+        let [from_a, to_b] = wedge.sides(x, y);
+        let (bx, by) = (wedge.b[0] - wedge.a[0], wedge.b[1] - wedge.a[1]);
+        let rim = Doubles::splat(bx) * (y - Doubles::splat(wedge.a[1])) - Doubles::splat(by) * (x - Doubles::splat(wedge.a[0]));
+        let depth = from_a.min(to_b).min(rim);
+        let deeper = depth.more_than(inside);
+        inside = deeper.select(depth, inside);
+        sx = deeper.select(Doubles::splat(wedge.slope[0]), sx);
+        sy = deeper.select(Doubles::splat(wedge.slope[1]), sy);
+    }
+    (inside, Doubles::splat(apex[2]) + sx * x + sy * y)
 }
 
 #[cfg(test)]
@@ -101,8 +111,9 @@ mod tests {
         for (x, y, triangle) in [(1.5, 0.5, 0), (0.5, 1.5, 1), (2.0, 0.0, 0)] {
             let sample = plane(x, y);
             assert_eq!(fan.locate(Doubles::splat(x), Doubles::splat(y)), ([triangle; LANES], Doubles::splat(sample.q)));
-            assert_eq!(fan.depth_if_covered(&sample), Some(sample.q));
+            let (inside, depth) = fan.cover(Doubles::splat(x), Doubles::splat(y));
+            assert!(inside.0[7] >= 0.0 && depth == Doubles::splat(sample.q));
         }
-        assert_eq!(fan.depth_if_covered(&plane(3.0, 1.0)), None);
+        assert!(fan.cover(Doubles::splat(3.0), Doubles::splat(1.0)).0 .0[0] < -SLACK);
     }
 }

@@ -7,7 +7,8 @@
 
 use super::border_rules::{BorderRules, Kind};
 use super::decimator::Decimator;
-use super::fan::Fan;
+use super::fan::{Fan, SLACK};
+use super::lanes::{Doubles, LANES};
 use super::mesh::{next, previous, NONE};
 use super::samples::{area, Sample};
 use super::star::LEAST_AREA;
@@ -120,10 +121,21 @@ impl Guard {
         }
         self.below.push(v);
         patch.samples_below_star(v, &mut self.below);
-        self.below.iter().all(|&s| {
+        self.below.chunks(LANES).all(|numbers| self.is_within(patch, numbers, limit))
+    }
+
+    /// Whether the fan keeps to an error at those of up to eight samples that it covers.
+    fn is_within(&self, patch: &Patch, numbers: &[u32], limit: f64) -> bool {
+        let [mut x, mut y, mut q] = [Doubles::splat(0.0); 3];
+        for (lane, &s) in numbers.iter().enumerate() {
             let sample = patch.sample(s);
-            self.fan.depth_if_covered(&sample).is_none_or(|depth| patch.surface.radial_error(s, sample.q, depth) <= limit)
-        })
+            (x.0[lane], y.0[lane], q.0[lane]) = (sample.x, sample.y, sample.q);
+        }
+        let (inside, depth) = self.fan.cover(x, y);
+        let within = |(lane, &s): (usize, &u32)| {
+            inside.0[lane] < -SLACK || patch.surface.radial_error(s, q.0[lane], depth.0[lane]) <= limit
+        };
+        numbers.iter().enumerate().all(within)
     }
 
     /// Fills `self.fan` and the samples below it (`self.below`); returns the longest edge from b to the fan's rim.

@@ -65,22 +65,35 @@ fn side(cells: u32) -> Result<usize, RecordError> {
     }
 }
 
-fn predicted(plane: &[u8], k: usize, side: usize) -> u8 {
-    // The first row and column have one neighbour, which then stands for all three.
-    match (!k.is_multiple_of(side), k >= side) {
-        (true, true) => median_edge(plane[k - 1], plane[k - side], plane[k - side - 1]),
-        (true, false) => plane[k - 1],
-        (false, true) => plane[k - side],
-        (false, false) => 0,
-    }
-}
-
+/// What each texel differs by from its prediction. The first row and column have one neighbour, which then stands for all three.
 fn residuals(plane: &[u8], side: usize) -> Vec<u8> {
-    (0..plane.len()).map(|k| plane[k].wrapping_sub(predicted(plane, k, side))).collect()
+    let mut residuals = plane.to_vec();
+    for k in 1..side {
+        residuals[k] = plane[k].wrapping_sub(plane[k - 1]);
+    }
+    let rows = plane.chunks_exact(side).zip(plane.chunks_exact(side).skip(1));
+    for ((above, row), out) in rows.zip(residuals.chunks_exact_mut(side).skip(1)) {
+        out[0] = row[0].wrapping_sub(above[0]);
+        for (k, out) in out.iter_mut().enumerate().skip(1) {
+            *out = row[k].wrapping_sub(median_edge(row[k - 1], above[k], above[k - 1]));
+        }
+    }
+    residuals
 }
 
+/// Inverse of [`residuals`].
 fn restore(plane: &mut [u8], side: usize) {
-    for k in 0..plane.len() {
-        plane[k] = plane[k].wrapping_add(predicted(plane, k, side));
+    for k in 1..side {
+        plane[k] = plane[k].wrapping_add(plane[k - 1]);
+    }
+    for first in (side..plane.len()).step_by(side) {
+        let (above, row) = plane.split_at_mut(first);
+        let (above, row) = (&above[first - side..], &mut row[..side]);
+        let mut left = row[0].wrapping_add(above[0]);
+        row[0] = left;
+        for (texel, pair) in row[1..].iter_mut().zip(above.windows(2)) {
+            left = texel.wrapping_add(median_edge(left, pair[1], pair[0]));
+            *texel = left;
+        }
     }
 }

@@ -2,8 +2,9 @@
 //! slope. Out: sRGB-encoded albedo. Deterministic like the heights: textures are part of a patch's bytes.
 
 use super::angles::sin_cos;
-use super::noise::{mix, Lane, Points, LANES};
-use super::octaves::{smoothstep, Fractal};
+use super::noise::mix;
+use super::octaves::{Fractal, Ramp};
+use super::points::{axes, Lane, Points, LANES};
 use super::{GroundPoint, Terrain};
 use crate::recipe::{Airless, Colour, Living, Octaves, Palette};
 
@@ -45,12 +46,42 @@ struct Noises {
     tuft: Lane,
 }
 
-fn mixed(a: Colour, b: Colour, t: f64) -> Colour {
+/// What is known of the ground of a chunk besides its noises.
+struct Site {
+    /// Absolute sine of the latitude.
+    sine: Lane,
+    /// Metres above the datum.
+    height: Lane,
+    /// Metres above the sea.
+    above: Lane,
+    slope: Lane,
+}
+
+/// A colour for every lane, one array a channel.
+type ColourLanes = [Lane; 3];
+
+type Rgb = [f32; 3];
+
+fn rgb(colour: Colour) -> Rgb {
+    axes(|k| colour[k] as f32)
+}
+
+#[inline(always)]
+fn mixed(a: Rgb, b: Rgb, t: f32) -> Rgb {
     [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t]
 }
 
-fn encode(colour: Colour, light: f64) -> [u8; 3] {
-    colour.map(|c| (c * light + 0.5).clamp(0.0, 255.0) as u8)
+#[inline(always)]
+fn put(out: &mut ColourLanes, i: usize, colour: Rgb, light: f32) {
+    for k in 0..3 {
+        out[k][i] = colour[k] * light;
+    }
+}
+
+/// Colours of up to [`LANES`] points; see [`super`] for why wide instructions give the same bits.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+pub(super) fn chunk_albedo(terrain: &Terrain, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
+    terrain.chunk_albedo(points, albedo);
 }
 
 impl Terrain {
@@ -61,109 +92,191 @@ impl Terrain {
     pub fn albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
         assert_eq!(points.len(), albedo.len(), "one colour for each point");
         for (points, albedo) in points.chunks(LANES).zip(albedo.chunks_mut(LANES)) {
-            let p = self.points(points.iter().map(|g| g.direction));
-            let mut noises = Noises { climate: [0.0; LANES], patch: [0.0; LANES], thicket: [0.0; LANES], tuft: [0.0; LANES] };
-            self.tints.climate.brownian(&p, &mut noises.climate);
-            self.tints.patch.brownian(&p, &mut noises.patch);
-            self.tints.thicket.brownian(&p, &mut noises.thicket);
-            self.tints.tuft.brownian(&p, &mut noises.tuft);
-            match &self.palette {
-                Palette::Living(palette) => self.paint_living(palette, points, &noises, albedo),
-                Palette::Airless(palette) => self.paint_airless(palette, points, &p, &noises, albedo),
+            chunk_albedo(self, points, albedo);
+        }
+    }
+
+    #[inline(always)]
+    pub(super) fn chunk_albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
+        let p = self.points(points.len(), |i| points[i].direction);
+        let tints = &self.tints;
+        let noises = Noises {
+            climate: tints.climate.brownian(&p),
+            patch: tints.patch.brownian(&p),
+            thicket: tints.thicket.brownian(&p),
+            tuft: tints.tuft.brownian(&p),
+        };
+        let site = self.site(points);
+        let mut colours = [[0.0; LANES]; 3];
+        match &self.palette {
+            Palette::Living(palette) => Paints::new(palette, tints).paint(&site, &noises, &mut colours),
+            Palette::Airless(palette) => self.paint_airless(palette, &site, &p, &noises, &mut colours),
+        }
+        let mut bytes = [[0; 3]; LANES];
+        for k in 0..3 {
+            for i in 0..LANES {
+                bytes[i][k] = (colours[k][i] + 0.5).clamp(0.0, 255.0) as u8;
             }
         }
+        albedo.copy_from_slice(&bytes[..albedo.len()]);
     }
 
-    fn paint_living(&self, palette: &Living, points: &[GroundPoint], noises: &Noises, albedo: &mut [[u8; 3]]) {
+    #[inline(always)]
+    fn site(&self, points: &[GroundPoint]) -> Site {
         let sea = self.sea_level.unwrap_or(-1e9);
-        for (i, (point, out)) in points.iter().zip(albedo).enumerate() {
-            let (patch, thicket, tuft) = (noises.patch[i], noises.thicket[i], noises.tuft[i]);
-            let above = point.height - sea;
-            let light = 1.0 + 0.06 * patch + 0.08 * thicket + 0.13 * tuft;
-            *out = if above < 0.0 {
-                encode(sea_floor(palette, above, patch), light)
-            } else {
-                let ground = Ground::new(self, palette, point, [noises.climate[i], patch, thicket, tuft]);
-                encode(ground.colour(palette, above), light)
-            };
+        let mut site = Site { sine: [0.0; LANES], height: [0.0; LANES], above: [0.0; LANES], slope: [0.0; LANES] };
+        for (i, point) in points.iter().enumerate().take(LANES) {
+            site.sine[i] = point.direction.z.abs() as f32;
+            site.height[i] = point.height as f32;
+            site.above[i] = (point.height - sea) as f32;
+            site.slope[i] = point.slope as f32;
         }
+        site
     }
 
-    fn paint_airless(&self, palette: &Airless, points: &[GroundPoint], p: &Points, noises: &Noises, albedo: &mut [[u8; 3]]) {
-        let (mut base, mut rays) = ([0.0; LANES], [0.0; LANES]);
-        self.base(p, &mut base);
+    #[inline(always)]
+    fn paint_airless(&self, palette: &Airless, site: &Site, p: &Points, noises: &Noises, out: &mut ColourLanes) {
+        const STEEP: Ramp = Ramp::new([0.35, 0.9]);
+        let old = Ramp::new(palette.mare_m);
+        let [mare, highland, ray] = [palette.mare, palette.highland, palette.ray].map(rgb);
+        let base = self.compose(p, None);
+        let mut rays = [0.0; LANES];
         for craters in self.craters() {
             craters.add_rays(p, &mut rays);
         }
-        for (i, (point, out)) in points.iter().zip(albedo).enumerate() {
+        for i in 0..LANES {
             let (patch, thicket, tuft) = (noises.patch[i], noises.thicket[i], noises.tuft[i]);
-            let old = smoothstep(palette.mare_m, base[i] + 200.0 * patch);
-            let ground = mixed(palette.mare, palette.highland, old);
+            let ground = mixed(mare, highland, old.at(base[i] + 200.0 * patch));
             // Steep ground sheds its dark, weathered skin.
-            let fresh = rays[i].min(1.0).max(0.35 * smoothstep([0.35, 0.9], point.slope));
+            let fresh = rays[i].min(1.0).max(0.35 * STEEP.at(site.slope[i]));
             let light = 1.0 + 0.07 * noises.climate[i] + 0.07 * patch + 0.04 * thicket + 0.06 * tuft;
-            *out = encode(mixed(ground, palette.ray, fresh), light);
+            put(out, i, mixed(ground, ray, fresh), light);
         }
     }
 }
 
-fn sea_floor(palette: &Living, above: f64, patch: f64) -> Colour {
-    let depth = -above * (1.0 + 0.2 * patch);
-    let deep = depth / (depth + 250.0);
-    mixed(mixed(palette.beach, palette.shelf, (depth / 12.0).clamp(0.0, 1.0)), palette.abyss, deep)
+/// The colours and thresholds of a living world, ready to paint with.
+struct Paints {
+    shelf: Rgb,
+    abyss: Rgb,
+    beach: Rgb,
+    lush: Rgb,
+    dry: Rgb,
+    forest: Rgb,
+    desert: Rgb,
+    badland: Rgb,
+    tundra: Rgb,
+    rock: Rgb,
+    snow: Rgb,
+    per_polar_sine: f32,
+    snow_line_m: f32,
+    tree_drop_m: f32,
+    per_beach_m: f32,
+    /// Slopes over which soil gives way to rock.
+    rocky: Ramp,
+    /// Slopes over which snow slides off.
+    bare: Ramp,
 }
 
-/// What decides the colour of dry land, each from 0 to 1 unless noted.
+/// What decides the colour of dry land, each from 0 to 1.
 struct Ground {
-    arid: f64,
-    wooded: f64,
-    wet: f64,
-    alpine: f64,
-    snow: f64,
-    rocky: f64,
-    noises: [f64; 4],
+    arid: f32,
+    wooded: f32,
+    wet: f32,
+    alpine: f32,
+    snow: f32,
+    rocky: f32,
 }
 
-impl Ground {
-    fn new(terrain: &Terrain, palette: &Living, point: &GroundPoint, noises: [f64; 4]) -> Self {
-        let [climate, patch, thicket, tuft] = noises;
-        let sine = point.direction.z.abs();
+impl Paints {
+    #[inline(always)]
+    fn new(palette: &Living, tints: &Tints) -> Self {
+        Self {
+            shelf: rgb(palette.shelf),
+            abyss: rgb(palette.abyss),
+            beach: rgb(palette.beach),
+            lush: rgb(palette.lush),
+            dry: rgb(palette.dry),
+            forest: rgb(palette.forest),
+            desert: rgb(palette.desert),
+            badland: rgb(palette.badland),
+            tundra: rgb(palette.tundra),
+            rock: rgb(palette.rock),
+            snow: rgb(palette.snow),
+            per_polar_sine: (1.0 / tints.polar_sine) as f32,
+            snow_line_m: palette.snow_line_m as f32,
+            tree_drop_m: palette.tree_drop_m as f32,
+            per_beach_m: (1.0 / palette.beach_m.max(1e-3)) as f32,
+            rocky: Ramp::new(palette.rock_slope),
+            bare: Ramp::new([palette.rock_slope[1], palette.rock_slope[1] * 1.8]),
+        }
+    }
+
+    #[inline(always)]
+    fn paint(&self, site: &Site, noises: &Noises, out: &mut ColourLanes) {
+        for i in 0..LANES {
+            let own = [noises.climate[i], noises.patch[i], noises.thicket[i], noises.tuft[i]];
+            let above = site.above[i];
+            let ground = self.ground([site.sine[i], site.height[i], site.slope[i]], own);
+            let land = self.land(&ground, above, own);
+            let floor = self.sea_floor(above.min(0.0), own[1]);
+            let colour = if above < 0.0 { floor } else { land };
+            put(out, i, colour, 1.0 + 0.06 * own[1] + 0.08 * own[2] + 0.13 * own[3]);
+        }
+    }
+
+    #[inline(always)]
+    fn sea_floor(&self, above: f32, patch: f32) -> Rgb {
+        let depth = -above * (1.0 + 0.2 * patch);
+        let deep = depth / (depth + 250.0);
+        mixed(mixed(self.beach, self.shelf, (depth * (1.0 / 12.0)).clamp(0.0, 1.0)), self.abyss, deep)
+    }
+
+    #[inline(always)]
+    fn ground(&self, [sine, height, slope]: [f32; 3], [climate, patch, thicket, tuft]: [f32; 4]) -> Ground {
+        const ARID: Ramp = Ramp::new([0.12, 0.48]);
+        const WOODED: Ramp = Ramp::new([0.0, 0.55]);
+        const WET: Ramp = Ramp::new([-0.45, 0.25]);
+        const TREE_LINE: Ramp = Ramp::new([-500.0, 150.0]);
+        const ALPINE: Ramp = Ramp::new([-500.0, 500.0]);
+        const SNOW: Ramp = Ramp::new([-250.0, 350.0]);
         // Dry belts near 24 degrees, wet about the equator and from 45 degrees on.
-        let off = (sine - 0.41) / 0.24;
+        let off = (sine - 0.41) * (1.0 / 0.24);
         let belt = (1.0 - off * off).max(-0.7);
         let dry = 0.42 * belt - 0.95 * climate + 0.12 * patch - 0.04;
-        let cold = sine / terrain.tints.polar_sine;
-        let line = palette.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 250.0 * patch + 60.0 * thicket;
-        let height = point.height + 12.0 * tuft;
-        let trees = line - palette.tree_drop_m;
-        let woods = 0.3 - 1.3 * dry + 0.75 * patch + 0.3 * thicket + 0.2 * tuft + 0.8 * (point.slope - 0.1).min(0.4);
-        let steep = point.slope * (1.0 + 0.25 * thicket + 0.3 * tuft);
-        let hold = 1.0 - smoothstep([palette.rock_slope[1], palette.rock_slope[1] * 1.8], steep);
-        Self {
-            arid: smoothstep([0.12, 0.48], dry),
-            wooded: smoothstep([0.0, 0.55], woods) * (1.0 - smoothstep([-500.0, 150.0], height - trees)),
-            wet: smoothstep([-0.45, 0.25], -dry + 0.3 * thicket),
-            alpine: smoothstep([-500.0, 500.0], height - trees),
-            snow: smoothstep([-250.0, 350.0], height - line) * hold,
-            rocky: smoothstep(palette.rock_slope, steep),
-            noises,
+        let cold = sine * self.per_polar_sine;
+        let line = self.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 250.0 * patch + 60.0 * thicket;
+        let height = height + 12.0 * tuft;
+        let over_trees = height - (line - self.tree_drop_m);
+        let woods = 0.3 - 1.3 * dry + 0.75 * patch + 0.3 * thicket + 0.2 * tuft + 0.8 * (slope - 0.1).min(0.4);
+        let steep = slope * (1.0 + 0.25 * thicket + 0.3 * tuft);
+        Ground {
+            arid: ARID.at(dry),
+            wooded: WOODED.at(woods) * (1.0 - TREE_LINE.at(over_trees)),
+            wet: WET.at(-dry + 0.3 * thicket),
+            alpine: ALPINE.at(over_trees),
+            snow: SNOW.at(height - line) * (1.0 - self.bare.at(steep)),
+            rocky: self.rocky.at(steep),
         }
     }
 
-    fn colour(&self, palette: &Living, above: f64) -> Colour {
-        let [climate, patch, thicket, tuft] = self.noises;
-        let grass = mixed(palette.dry, palette.lush, self.wet);
-        let meadow = mixed(grass, palette.forest, self.wooded * 0.9);
+    #[inline(always)]
+    fn land(&self, ground: &Ground, above: f32, [climate, patch, thicket, tuft]: [f32; 4]) -> Rgb {
+        const WORN: Ramp = Ramp::new([0.1, 0.8]);
+        const STONY: Ramp = Ramp::new([-0.7, 1.0]);
+        const INLAND: Ramp = Ramp::new([0.4, 1.0]);
+        const THIN: Ramp = Ramp::new([0.0, 0.7]);
+        let grass = mixed(self.dry, self.lush, ground.wet);
+        let meadow = mixed(grass, self.forest, ground.wooded * 0.9);
         // Clearings, worn ground and dead grass, from hundreds of metres down to tufts.
-        let meadow = mixed(meadow, palette.dry, 0.4 * smoothstep([0.1, 0.8], 0.6 * thicket + 0.7 * tuft));
-        let sand =
-            mixed(palette.desert, palette.badland, 0.75 * smoothstep([-0.7, 1.0], 0.5 * patch + 0.7 * climate + 0.25 * thicket));
-        let soil = mixed(mixed(meadow, sand, self.arid), palette.tundra, self.alpine * (1.0 - 0.5 * self.arid));
-        let shore = 1.0 - smoothstep([0.4, 1.0], above / palette.beach_m.max(1e-3) + 0.25 * thicket + 0.1 * tuft);
-        let soil = mixed(soil, palette.beach, shore);
-        let rock = mixed(palette.rock, palette.badland, 0.55 * self.arid + 0.1);
+        let meadow = mixed(meadow, self.dry, 0.4 * WORN.at(0.6 * thicket + 0.7 * tuft));
+        let sand = mixed(self.desert, self.badland, 0.75 * STONY.at(0.5 * patch + 0.7 * climate + 0.25 * thicket));
+        let soil = mixed(mixed(meadow, sand, ground.arid), self.tundra, ground.alpine * (1.0 - 0.5 * ground.arid));
+        let shore = 1.0 - INLAND.at(above * self.per_beach_m + 0.25 * thicket + 0.1 * tuft);
+        let soil = mixed(soil, self.beach, shore);
+        let rock = mixed(self.rock, self.badland, 0.55 * ground.arid + 0.1);
         // High ground wears thin even where it is level.
-        let bare = self.rocky.max(self.alpine * smoothstep([0.0, 0.7], thicket + 0.6 * patch) * 0.6);
-        mixed(mixed(soil, rock, bare), palette.snow, self.snow)
+        let bare = ground.rocky.max(ground.alpine * THIN.at(thicket + 0.6 * patch) * 0.6);
+        mixed(mixed(soil, rock, bare), self.snow, ground.snow)
     }
 }

@@ -1,7 +1,11 @@
 //! Planetary terrain as a pure function of direction: the recipe's layers, composed in order. In: unit directions. Out:
 //! heights in metres and albedo, the same bits on every machine and however the directions are cut into slices.
 //!
-//! Only + - * / and sqrt on f64, comparisons and integer hashing (DESIGN, section 2).
+//! Only + - * / and sqrt on floats, comparisons and integer hashing (DESIGN, section 2). Points go through all layers in chunks;
+//! each chunk is dispatched once to code for the widest instructions at hand. Those give the same bits: the compiler neither
+//! reorders nor contracts float operations.
+
+#![allow(clippy::needless_range_loop, reason = "a loop over lanes reads and writes several arrays alike")]
 
 mod albedo;
 pub(crate) mod angles;
@@ -9,6 +13,7 @@ mod craters;
 mod heightmap;
 mod noise;
 mod octaves;
+mod points;
 mod profile;
 mod relief;
 
@@ -17,7 +22,8 @@ use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
 use craters::Craters;
 use glam::DVec3;
 use heightmap::Heightmap;
-use noise::{mix, Lane, Points, LANES};
+use noise::mix;
+use points::{Lane, Points, WideLane, LANES};
 use relief::{Continents, Hills, Mountains, Plains};
 
 /// A planet's ground, ready to evaluate. Shared freely between threads.
@@ -72,13 +78,8 @@ impl Terrain {
     /// If the slices differ in length.
     pub fn heights(&self, directions: &[DVec3], heights: &mut [f64]) {
         assert_eq!(directions.len(), heights.len(), "one height for each direction");
-        let (mut base, mut height) = ([0.0; LANES], [0.0; LANES]);
         for (directions, heights) in directions.chunks(LANES).zip(heights.chunks_mut(LANES)) {
-            let p = self.points(directions.iter().copied());
-            self.compose(&p, &mut base, Some(&mut height));
-            for (out, &h) in heights.iter_mut().zip(&height) {
-                *out = self.shore(h);
-            }
+            chunk_heights(self, directions, heights);
         }
     }
 
@@ -99,58 +100,65 @@ impl Terrain {
         self.range
     }
 
-    fn points(&self, directions: impl Iterator<Item = DVec3>) -> Points {
-        let mut p = Points { x: [0.0; LANES], y: [0.0; LANES], z: [0.0; LANES], count: 0 };
-        for (i, d) in directions.take(LANES).enumerate() {
-            (p.x[i], p.y[i], p.z[i]) = (d.x * self.radius, d.y * self.radius, d.z * self.radius);
-            p.count = i + 1;
-        }
-        p
+    #[inline(always)]
+    fn points(&self, count: usize, direction: impl Fn(usize) -> DVec3) -> Points {
+        Points::new(self.radius, count, direction)
     }
 
-    /// Base elevation alone: continents, basins and heightmaps.
-    fn base(&self, p: &Points, base: &mut Lane) {
-        self.compose(p, base, None);
-    }
-
-    /// Composes base elevation and, unless only that is wanted, height. Layers skip what their masks hide from the whole
-    /// chunk; that adds 0 elsewhere, so the bits do not depend on the chunk (the last `+ 0.0` turns -0 into 0).
-    fn compose(&self, p: &Points, base: &mut Lane, mut height: Option<&mut Lane>) {
-        base[..p.count].fill(0.0);
+    #[inline(always)]
+    fn chunk_heights(&self, directions: &[DVec3], heights: &mut [f64]) {
+        let p = self.points(directions.len(), |i| directions[i]);
         let mut sum = [0.0; LANES];
-        for step in &self.steps {
-            match step {
-                Step::Continents(layer) => {
-                    let mut own = [0.0; LANES];
-                    layer.add(p, &mut own);
-                    add_to_both(p.count, &own, base, &mut sum);
-                }
-                Step::Craters(layer) if layer.basins() => {
-                    let mut own = [0.0; LANES];
-                    layer.add(p, base, &mut own);
-                    add_to_both(p.count, &own, base, &mut sum);
-                }
-                Step::Heightmap(layer) => self.replace(layer, p, base, &mut sum),
-                _ if height.is_none() => {}
-                Step::Mountains(layer) => layer.add(p, base, &mut sum),
-                Step::Hills(layer) => layer.add(p, base, &mut sum),
-                Step::Plains(layer) => layer.add(p, &mut sum),
-                Step::Craters(layer) => layer.add(p, base, &mut sum),
-            }
+        self.compose(&p, Some(&mut sum));
+        for h in &mut sum {
+            // Adding 0 turns -0 into 0.
+            *h = self.shore(*h) + 0.0;
         }
-        if let Some(height) = height.as_mut() {
-            for (h, s) in height[..p.count].iter_mut().zip(sum) {
-                *h = s + 0.0;
-            }
-        }
+        heights.copy_from_slice(&sum[..heights.len()]);
     }
 
-    fn replace(&self, map: &Heightmap, p: &Points, base: &mut Lane, sum: &mut Lane) {
-        for i in 0..p.count.min(LANES) {
-            let d = [p.x[i] / self.radius, p.y[i] / self.radius, p.z[i] / self.radius];
-            let (height, weight) = map.at(d);
-            base[i] += (height - base[i]) * weight;
-            sum[i] += (height - sum[i]) * weight;
+    /// Base elevation: continents, basins and heightmaps alone. Adds all layers to `height` where one is given. Layers skip what
+    /// their masks hide from the whole chunk; that adds 0 elsewhere, so the bits do not depend on the chunk.
+    #[inline(always)]
+    fn compose(&self, p: &Points, mut height: Option<&mut WideLane>) -> Lane {
+        let mut base = [0.0; LANES];
+        for step in &self.steps {
+            let own = match step {
+                Step::Continents(layer) => Some(layer.metres(p)),
+                Step::Craters(layer) if layer.basins() => layer.metres(p, &base),
+                Step::Heightmap(layer) => {
+                    self.replace(layer, p, &mut base, height.as_deref_mut());
+                    None
+                }
+                _ if height.is_none() => None,
+                Step::Mountains(layer) => layer.metres(p, &base),
+                Step::Hills(layer) => layer.metres(p, &base),
+                Step::Plains(layer) => Some(layer.metres(p)),
+                Step::Craters(layer) => layer.metres(p, &base),
+            };
+            let Some(own) = own else { continue };
+            if step.is_base() {
+                for i in 0..LANES {
+                    base[i] += own[i];
+                }
+            }
+            if let Some(height) = height.as_deref_mut() {
+                for i in 0..LANES {
+                    height[i] += f64::from(own[i]);
+                }
+            }
+        }
+        base
+    }
+
+    fn replace(&self, map: &Heightmap, p: &Points, base: &mut Lane, height: Option<&mut WideLane>) {
+        let at = |i: usize| map.at([0, 1, 2].map(|k| p.place[k][i] / self.radius));
+        let found: [(f64, f64); LANES] = std::array::from_fn(at);
+        for (base, (metres, weight)) in base.iter_mut().zip(found) {
+            *base += ((metres - f64::from(*base)) * weight) as f32;
+        }
+        for (height, (metres, weight)) in height.into_iter().flatten().zip(found) {
+            *height += (metres - *height) * weight;
         }
     }
 
@@ -159,6 +167,7 @@ impl Terrain {
     }
 
     /// Flattens the ground about sea level into beaches and shelves; monotone, and far from the sea nothing changes.
+    #[inline(always)]
     fn shore(&self, height: f64) -> f64 {
         let Some(level) = self.sea_level.filter(|_| self.beach_m > 0.0) else {
             return height;
@@ -183,11 +192,10 @@ impl Terrain {
     }
 }
 
-fn add_to_both(count: usize, own: &Lane, base: &mut Lane, sum: &mut Lane) {
-    for ((own, base), sum) in own[..count].iter().zip(base).zip(sum) {
-        *base += own;
-        *sum += own;
-    }
+/// Heights of up to [`LANES`] directions.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn chunk_heights(terrain: &Terrain, directions: &[DVec3], heights: &mut [f64]) {
+    terrain.chunk_heights(directions, heights);
 }
 
 impl Step {
@@ -202,6 +210,15 @@ impl Step {
         })
     }
 
+    /// Whether the layer belongs to the base elevation, which decides where others fade in.
+    fn is_base(&self) -> bool {
+        match self {
+            Self::Continents(_) | Self::Heightmap(_) => true,
+            Self::Craters(layer) => layer.basins(),
+            Self::Mountains(_) | Self::Hills(_) | Self::Plains(_) => false,
+        }
+    }
+
     fn range(&self) -> (f64, f64) {
         match self {
             Self::Continents(l) => l.range(),
@@ -210,6 +227,76 @@ impl Step {
             Self::Plains(l) => l.range(),
             Self::Craters(l) => l.range(),
             Self::Heightmap(l) => l.range(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::path::Path;
+
+    #[multiversion::multiversion(targets("x86_64+avx2"))]
+    fn narrower_heights(terrain: &Terrain, directions: &[DVec3], heights: &mut [f64]) {
+        terrain.chunk_heights(directions, heights);
+    }
+
+    #[multiversion::multiversion(targets("x86_64+avx2"))]
+    fn narrower_albedo(terrain: &Terrain, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
+        terrain.chunk_albedo(points, albedo);
+    }
+
+    fn terrain(name: &str) -> Terrain {
+        let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("recipes/{name}.toml"));
+        Terrain::new(&Recipe::load(&path).unwrap()).unwrap()
+    }
+
+    /// Chunks of several spacings all over the planet, from metres to a whole face.
+    fn chunks(radius: f64) -> impl Iterator<Item = Vec<DVec3>> {
+        let place = |n: u32| {
+            let draw = |k: u64| noise::unit(mix(u64::from(n) ^ mix(k))) * 2.0 - 1.0;
+            DVec3::new(draw(1), draw(2), draw(3)).normalize()
+        };
+        let square = move |n: u32, spacing: f64| {
+            let (east, north) = place(n).any_orthonormal_pair();
+            let at = move |i: usize| (east * (i % 8) as f64 + north * (i / 8) as f64) * (spacing / radius);
+            (0..LANES - 5).map(|i| (place(n) + at(i)).normalize()).collect()
+        };
+        (0..24).flat_map(move |n| [0.3, 40.0, 3000.0, 5e5].map(|spacing| square(n, spacing)))
+    }
+
+    #[test]
+    fn wide_instructions_change_heights() {
+        for name in ["terra", "luna", "tiny"] {
+            let terrain = terrain(name);
+            let mut distinct = std::collections::HashSet::new();
+            for directions in chunks(terrain.radius) {
+                let [mut widest, mut narrower, mut portable] = [(); 3].map(|()| vec![0.0; directions.len()]);
+                chunk_heights(&terrain, &directions, &mut widest);
+                narrower_heights(&terrain, &directions, &mut narrower);
+                terrain.chunk_heights(&directions, &mut portable);
+                let bits = |heights: &[f64]| heights.iter().map(|h| h.to_bits()).collect::<Vec<u64>>();
+                assert_eq!(bits(&widest), bits(&portable), "{name} at {}", directions[0]);
+                assert_eq!(bits(&narrower), bits(&portable), "{name} at {}", directions[0]);
+                distinct.extend(bits(&widest));
+            }
+            assert!(distinct.len() > 2000, "{name}: only {} different heights", distinct.len());
+        }
+    }
+
+    #[test]
+    fn wide_instructions_change_albedo() {
+        for name in ["terra", "luna"] {
+            let terrain = terrain(name);
+            for directions in chunks(terrain.radius) {
+                let ground = |&direction: &DVec3| GroundPoint { direction, height: terrain.height(direction), slope: 0.3 };
+                let points: Vec<GroundPoint> = directions.iter().step_by(7).map(ground).collect();
+                let [mut widest, mut narrower, mut portable] = [(); 3].map(|()| vec![[0; 3]; points.len()]);
+                albedo::chunk_albedo(&terrain, &points, &mut widest);
+                narrower_albedo(&terrain, &points, &mut narrower);
+                terrain.chunk_albedo(&points, &mut portable);
+                assert_eq!((&widest, &narrower), (&portable, &portable), "{name} at {}", directions[0]);
+            }
         }
     }
 }

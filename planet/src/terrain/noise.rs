@@ -1,25 +1,11 @@
-//! Gradient noise (Perlin 1985, 2002) on slices of points, exact to the bit on every machine: only + - * on f64 and
-//! integer hashing. In: points in metres. Out: one value in -1 to 1 for each point and octave.
+//! Gradient noise (Perlin 1985, 2002) on chunks of points, exact to the bit on every machine: only + - * on floats and integer
+//! hashing. In: points in metres. Out: one value in -1 to 1 for each point.
 //!
-//! Each octave turns and shifts its domain by its own random rotation, so that no two lattices line up and the grid does
-//! not show (Quilez, "fBM", 2019). Cells are 32-bit: recipes keep radius / wavelength below 2^30.
+//! Where a point lies in its cell is worked out in f64, the rest in f32: a tenth of a millimetre of a kilometre. A chunk that
+//! lies in one cell looks its eight gradients up once. Cells are 32-bit: recipes keep radius / wavelength below 2^30.
 
+use super::points::{axes, Points, LANES, TURNS};
 use std::array;
-
-/// Points evaluated together. 128 keeps a chunk's arrays within the first-level cache.
-pub(crate) const LANES: usize = 128;
-
-/// One value for each point of a chunk.
-pub(crate) type Lane = [f64; LANES];
-
-/// A chunk of up to [`LANES`] points, in metres from the planet's centre.
-#[derive(Clone)]
-pub(crate) struct Points {
-    pub(crate) x: Lane,
-    pub(crate) y: Lane,
-    pub(crate) z: Lane,
-    pub(crate) count: usize,
-}
 
 /// One step of the splitmix64 generator (Steele, Lea, Flood 2014).
 pub(crate) fn mix(seed: u64) -> u64 {
@@ -34,11 +20,13 @@ pub(crate) fn unit(bits: u64) -> f64 {
     (bits >> 11) as f64 * (1.0 / 9_007_199_254_740_992.0)
 }
 
-/// A randomly turned and shifted lattice with cells of `cell_m` metres.
+/// A shifted lattice of cubic cells in one of the shared orientations. The cell of number n is centred at n.
 #[derive(Clone, Debug)]
 pub(crate) struct Lattice {
-    /// Rotation divided by the cell size: rows give the lattice coordinates.
-    pub(crate) rows: [[f64; 3]; 3],
+    /// Which of the shared orientations.
+    pub(crate) turn: usize,
+    /// Cells a metre.
+    pub(crate) per_metre: f64,
     /// Shift in cells.
     pub(crate) shift: [f64; 3],
     /// Seed of the cell hash.
@@ -46,155 +34,231 @@ pub(crate) struct Lattice {
 }
 
 impl Lattice {
-    pub(crate) fn new(seed: u64, cell_m: f64) -> Self {
-        let draws: [f64; 7] = array::from_fn(|i| unit(mix(seed ^ mix(i as u64))));
-        let rotation = rotation([draws[0], draws[1], draws[2], draws[3]]);
-        Self {
-            rows: rotation.map(|row| row.map(|c| c / cell_m)),
-            shift: [draws[4], draws[5], draws[6]].map(|d| d * 1000.0),
-            seed: mix(seed) as u32,
+    /// A lattice with cells of `cell_m` metres; lattices of successive numbers `turn` differ in orientation.
+    pub(crate) fn new(seed: u64, turn: usize, cell_m: f64) -> Self {
+        let shift = array::from_fn(|i| unit(mix(seed ^ mix(i as u64))) * 1000.0);
+        Self { turn: turn % TURNS, per_metre: 1.0 / cell_m, shift, seed: mix(seed) as u32 }
+    }
+
+    /// Lattice coordinate `axis` of a turned one in metres.
+    #[inline(always)]
+    pub(crate) fn place(&self, axis: usize, metres: f64) -> f64 {
+        metres * self.per_metre + self.shift[axis]
+    }
+
+    /// The nearest whole coordinates below and above which no point of the chunk comes. Rounding is monotone, so that all
+    /// points lie in one cell where both agree.
+    #[inline(always)]
+    pub(crate) fn span(&self, p: &Points) -> [[f64; 3]; 2] {
+        let turned = &p.turned[self.turn];
+        let cell = |k: usize, metres: f64| nearest(self.place(k, metres)).1;
+        [axes(|k| cell(k, turned.low[k])), axes(|k| cell(k, turned.high[k]))]
+    }
+
+    /// Calls `visit` with every lane and its noise.
+    #[inline(always)]
+    pub(crate) fn noise(&self, p: &Points, mut visit: impl FnMut(usize, f32)) {
+        let points = &p.turned[self.turn].axes;
+        let mut fractions = [[0.0; LANES]; 3];
+        let [low, high] = self.span(p);
+        if low == high {
+            for k in 0..3 {
+                for i in 0..LANES {
+                    fractions[k][i] = (self.place(k, points[k][i]) - low[k]) as f32;
+                }
+            }
+            let gradients = Corners::new(self.seed, axes(|k| nearest(low[k]).0)).gradients();
+            for i in 0..LANES {
+                visit(i, blend(axes(|k| fractions[k][i]), |corner| axes(|k| gradients[k][corner])));
+            }
+        } else {
+            let mut cells = [[0; LANES]; 3];
+            for k in 0..3 {
+                for i in 0..LANES {
+                    let place = self.place(k, points[k][i]);
+                    let (cell, rounded) = nearest(place);
+                    (cells[k][i], fractions[k][i]) = (cell, (place - rounded) as f32);
+                }
+            }
+            for i in 0..LANES {
+                let corners = Corners::new(self.seed, axes(|k| cells[k][i]));
+                visit(i, blend(axes(|k| fractions[k][i]), |corner| corners.gradient(corner)));
+            }
         }
     }
-
-    #[inline(always)]
-    pub(crate) fn place(&self, x: f64, y: f64, z: f64) -> [f64; 3] {
-        let row = |i: usize| self.rows[i][0] * x + self.rows[i][1] * y + self.rows[i][2] * z + self.shift[i];
-        [row(0), row(1), row(2)]
-    }
-}
-
-/// Rotation matrix of a random quaternion (never near zero: the first component is at least 0.25).
-fn rotation(draws: [f64; 4]) -> [[f64; 3]; 3] {
-    let q = [draws[0] * 0.75 + 0.25, draws[1] * 2.0 - 1.0, draws[2] * 2.0 - 1.0, draws[3] * 2.0 - 1.0];
-    let length = (q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3]).sqrt();
-    let [w, x, y, z] = q.map(|c| c / length);
-    [
-        [1.0 - 2.0 * (y * y + z * z), 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)],
-        [2.0 * (x * y + w * z), 1.0 - 2.0 * (x * x + z * z), 2.0 * (y * z - w * x)],
-        [2.0 * (x * z - w * y), 2.0 * (y * z + w * x), 1.0 - 2.0 * (x * x + y * y)],
-    ]
 }
 
 /// 1.5 * 2^52: adding it rounds to a whole number that then stands in the low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
 
-/// Splits into cell and fraction. At whole numbers the cell may be the one below with fraction 1: noise is continuous
-/// there, so both give the same value. Branch-free and without `floor`, so that it vectorises everywhere.
+/// The nearest whole number, as the low 32 bits of an integer and as a float. Half-way it may be either: noise is continuous
+/// there, so both give the same value. Branch-free and without `round`, so that it vectorises everywhere.
 #[inline(always)]
-pub(crate) fn split(v: f64) -> (u32, f64) {
-    let rounded = (v - 0.5) + ROUND;
-    (rounded.to_bits() as u32, v - (rounded - ROUND))
+pub(crate) fn nearest(v: f64) -> (u32, f64) {
+    let rounded = v + ROUND;
+    (rounded.to_bits() as u32, rounded - ROUND)
 }
 
+/// Odd factors that spread the cells of an axis.
 pub(crate) const PRIMES: [u32; 3] = [0x9e37_79b1, 0x85eb_ca77, 0xc2b2_ae3d];
 
-/// Scrambles the sum of a cell's axis hashes.
-#[inline(always)]
-pub(crate) fn scramble(h: u32) -> u32 {
-    let h = (h ^ (h >> 15)).wrapping_mul(0x2c1b_3c6d);
-    let h = (h ^ (h >> 12)).wrapping_mul(0x297a_2d39);
-    h ^ (h >> 15)
+/// The eight corners of a cell, as hashes of their coordinates. Bit k of a corner's number says whether it is the farther one on
+/// axis k.
+struct Corners {
+    near: [u32; 3],
+    far: [u32; 3],
 }
 
-#[inline(always)]
-fn slope(hash: u32, dx: f64, dy: f64, dz: f64) -> f64 {
-    let h = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
-    let h = h ^ (h >> 14);
-    let part = |shift: u32| f64::from(((h >> shift) & 1023) as i32 - 512);
-    part(22) * dx + part(12) * dy + part(2) * dz
-}
+impl Corners {
+    #[inline(always)]
+    fn new(seed: u32, cell: [u32; 3]) -> Self {
+        let [x, y, z] = axes(|k| cell[k].wrapping_mul(PRIMES[k]));
+        let near = [x.wrapping_add(seed), y, z];
+        Self { near, far: axes(|k| near[k].wrapping_add(PRIMES[k])) }
+    }
 
-#[inline(always)]
-fn fade(t: f64) -> f64 {
-    t * t * t * (t * (t * 6.0 - 15.0) + 10.0)
-}
+    /// The gradient of a corner.
+    #[inline(always)]
+    fn gradient(&self, corner: usize) -> [f32; 3] {
+        let axis = |k: usize| if corner >> k & 1 == 0 { self.near[k] } else { self.far[k] };
+        gradient(axis(0) ^ axis(1) ^ axis(2))
+    }
 
-#[inline(always)]
-fn lerp(a: f64, b: f64, t: f64) -> f64 {
-    a + (b - a) * t
-}
-
-/// Brings the noise to a standard deviation of about 1/3 (512 is a gradient component's largest value).
-const SCALE: f64 = 1.45 / 512.0;
-
-/// Gradient noise at one point, -1 to 1.
-#[inline(always)]
-pub(crate) fn noise(lattice: &Lattice, x: f64, y: f64, z: f64) -> f64 {
-    let [px, py, pz] = lattice.place(x, y, z);
-    let ((ix, fx), (iy, fy), (iz, fz)) = (split(px), split(py), split(pz));
-    let x0 = ix.wrapping_mul(PRIMES[0]).wrapping_add(lattice.seed);
-    let y0 = iy.wrapping_mul(PRIMES[1]);
-    let z0 = iz.wrapping_mul(PRIMES[2]);
-    let (x1, y1, z1) = (x0.wrapping_add(PRIMES[0]), y0.wrapping_add(PRIMES[1]), z0.wrapping_add(PRIMES[2]));
-    let (gx, gy, gz) = (fx - 1.0, fy - 1.0, fz - 1.0);
-    let (u, v, w) = (fade(fx), fade(fy), fade(fz));
-    let at = |hx: u32, hy: u32, hz: u32, dx: f64, dy: f64, dz: f64| slope(hx ^ hy ^ hz, dx, dy, dz);
-    let near = lerp(
-        lerp(at(x0, y0, z0, fx, fy, fz), at(x1, y0, z0, gx, fy, fz), u),
-        lerp(at(x0, y1, z0, fx, gy, fz), at(x1, y1, z0, gx, gy, fz), u),
-        v,
-    );
-    let far = lerp(
-        lerp(at(x0, y0, z1, fx, fy, gz), at(x1, y0, z1, gx, fy, gz), u),
-        lerp(at(x0, y1, z1, fx, gy, gz), at(x1, y1, z1, gx, gy, gz), u),
-        v,
-    );
-    (lerp(near, far, w) * SCALE).clamp(-1.0, 1.0)
-}
-
-#[inline(always)]
-fn noise_lanes(lattice: &Lattice, p: &Points, out: &mut Lane) {
-    let n = p.count.min(LANES);
-    let (xs, ys, zs, out) = (&p.x[..n], &p.y[..n], &p.z[..n], &mut out[..n]);
-    for i in 0..n {
-        out[i] = noise(lattice, xs[i], ys[i], zs[i]);
+    /// The gradients of all corners, one array a component.
+    #[inline(always)]
+    fn gradients(&self) -> [[f32; 8]; 3] {
+        /// All bits where a corner is the farther one on an axis.
+        const FAR: [[u32; 8]; 3] = [[0, !0, 0, !0, 0, !0, 0, !0], [0, 0, !0, !0, 0, 0, !0, !0], [0, 0, 0, 0, !0, !0, !0, !0]];
+        let mut gradients = [[0.0; 8]; 3];
+        for corner in 0..8 {
+            let axis = |k: usize| self.near[k].wrapping_add(PRIMES[k] & FAR[k][corner]);
+            let g = gradient(axis(0) ^ axis(1) ^ axis(2));
+            (gradients[0][corner], gradients[1][corner], gradients[2][corner]) = (g[0], g[1], g[2]);
+        }
+        gradients
     }
 }
 
-/// Gradient noise at every point of the chunk. The wider instructions give the same bits: the compiler never contracts
-/// or reorders float operations, and fused multiply-add is not enabled.
-#[multiversion::multiversion(targets("x86_64+avx2"))]
-pub(crate) fn noise_at(lattice: &Lattice, p: &Points, out: &mut Lane) {
-    noise_lanes(lattice, p, out);
+/// The gradient of a hash, each component even over ± 2^31: one multiplication spreads the sum of a corner's axes into the upper
+/// bits, which is where conversion to f32 looks.
+#[inline(always)]
+fn gradient(hash: u32) -> [f32; 3] {
+    let h = (hash ^ (hash >> 15)).wrapping_mul(0x2c1b_3c6d);
+    [h as i32 as f32, (h << 11) as i32 as f32, h.wrapping_mul(0x297a_2d39) as i32 as f32]
+}
+
+/// Brings the noise to a standard deviation of about 1/3.
+const SCALE: f32 = 1.45 / 2_147_483_648.0;
+
+/// Noise at a place between -1/2 and 1/2 in a cell, from the gradients at its corners.
+#[inline(always)]
+fn blend(at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]) -> f32 {
+    let near = axes(|k| at[k] + 0.5);
+    let far = axes(|k| at[k] - 0.5);
+    let [u, v, w] = axes(|k| fade(at[k]));
+    let slope = |corner: usize| {
+        let offset = |k: usize| if corner >> k & 1 == 0 { near[k] } else { far[k] };
+        let g = gradient(corner);
+        g[0] * offset(0) + g[1] * offset(1) + g[2] * offset(2)
+    };
+    let edge = |corner: usize| lerp(slope(corner), slope(corner + 1), u);
+    let side = |corner: usize| lerp(edge(corner), edge(corner + 2), v);
+    (lerp(side(0), side(4), w) * SCALE).clamp(-1.0, 1.0)
+}
+
+/// Perlin's quintic, 0 to 1 over -1/2 to 1/2.
+#[inline(always)]
+fn fade(t: f32) -> f32 {
+    let t2 = t * t;
+    t * (t2 * (t2 * 6.0 - 5.0) + 1.875) + 0.5
+}
+
+#[inline(always)]
+fn lerp(a: f32, b: f32, t: f32) -> f32 {
+    a + (b - a) * t
+}
+
+/// The noise of a lattice of unit cells at one place within 2^20 of the origin.
+#[inline(always)]
+pub(crate) fn noise_at(seed: u32, at: [f32; 3]) -> f32 {
+    /// 1.5 * 2^23, see [`ROUND`].
+    const ROUND: f32 = 12_582_912.0;
+    let rounded = axes(|k| at[k] + ROUND);
+    let corners = Corners::new(seed, axes(|k| rounded[k].to_bits()));
+    blend(axes(|k| at[k] - (rounded[k] - ROUND)), |corner| corners.gradient(corner))
+}
+
+/// Noise of every lane, for those who do not sum octaves.
+#[cfg(test)]
+fn lanes(lattice: &Lattice, p: &Points) -> super::points::Lane {
+    let mut out = [0.0; LANES];
+    lattice.noise(p, |i, n| out[i] = n);
+    out
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn points() -> Points {
-        let lane = |salt: u64| array::from_fn(|i| (unit(mix(i as u64 ^ salt)) - 0.5) * 1.2e7);
-        Points { x: lane(1 << 40), y: lane(2 << 40), z: lane(3 << 40), count: LANES }
+    /// Points anywhere in a cube of `spread` metres, far from the origin.
+    fn points(spread: f64) -> Points {
+        let axis = |salt: u64| array::from_fn(|i| 6.1e6 + (unit(mix(i as u64 ^ salt)) - 0.5) * spread);
+        Points::at([axis(1 << 40), axis(2 << 40), axis(3 << 40)])
     }
 
     #[test]
-    fn wide_lanes_differ_from_single_points() {
-        let (lattice, p) = (Lattice::new(7, 3.0), points());
-        let mut wide = [0.0; LANES];
-        noise_at(&lattice, &p, &mut wide);
-        for (i, w) in wide.iter().enumerate() {
-            assert_eq!(w.to_bits(), noise(&lattice, p.x[i], p.y[i], p.z[i]).to_bits());
+    fn one_cell_for_all_differs_from_a_cell_for_each() {
+        let p = points(10.0);
+        for cell_m in [0.7, 30.0, 4e5] {
+            let lattice = Lattice::new(7, 1, cell_m);
+            let together = lanes(&lattice, &p);
+            let [low, high] = lattice.span(&p);
+            assert_eq!(low == high, cell_m > 1e3, "{cell_m} m no longer tests what it should");
+            for i in 0..LANES {
+                let alone = Points::at([0, 1, 2].map(|k| [p.place[k][i]; LANES]));
+                assert_eq!(together[i].to_bits(), lanes(&lattice, &alone)[0].to_bits(), "{cell_m} m");
+            }
         }
     }
 
     #[test]
-    fn whole_coordinates_break_continuity() {
-        let lattice = Lattice { rows: [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]], shift: [0.0; 3], seed: 5 };
+    fn cell_borders_break_continuity() {
         for i in -20..20 {
-            let x = f64::from(i);
-            let step = noise(&lattice, x, 0.3, 0.7) - noise(&lattice, x + 1e-9, 0.3, 0.7);
-            assert!(step.abs() < 1e-7, "jump of {step} at {x}");
+            let x = i as f32 + 0.5;
+            let step = noise_at(5, [x - 1e-6, 0.3, 0.2]) - noise_at(5, [x + 1e-6, 0.3, 0.2]);
+            assert!(step.abs() < 1e-5, "jump of {step} at {x}");
         }
     }
 
     #[test]
-    fn rotations_are_not_orthonormal() {
-        for seed in 0..50 {
-            let rows = Lattice::new(seed, 1.0).rows;
-            for a in 0..3 {
-                for b in 0..3 {
-                    let dot: f64 = (0..3).map(|k| rows[a][k] * rows[b][k]).sum();
-                    assert!((dot - f64::from(u8::from(a == b))).abs() < 1e-14);
+    fn noise_has_a_bias_or_the_wrong_strength() {
+        let values: Vec<f32> =
+            [3.0, 5.0, 11.0].into_iter().flat_map(|m| lanes(&Lattice::new(m as u64, 2, m), &points(1e5))).collect();
+        let mean = values.iter().sum::<f32>() / values.len() as f32;
+        let deviation = (values.iter().map(|v| v * v).sum::<f32>() / values.len() as f32).sqrt();
+        assert!(mean.abs() < 0.1 && (0.25..0.45).contains(&deviation), "mean {mean}, deviation {deviation}");
+    }
+
+    #[test]
+    fn gradients_depend_on_each_other() {
+        // Correlation of every component with every component of the same and of the next cell on each axis.
+        let at = |c: [u32; 3]| Corners::new(9, c).gradient(0);
+        let cells = 40_000u32;
+        for step in [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1], [1, 1, 1]] {
+            let mut sums = [[0.0f64; 3]; 3];
+            for n in 0..cells {
+                let cell = [n % 200, n / 200, n % 7];
+                let (a, b) = (at(cell), at([0, 1, 2].map(|k| cell[k] + step[k])));
+                for (row, a) in sums.iter_mut().zip(a) {
+                    for (sum, b) in row.iter_mut().zip(b) {
+                        *sum += f64::from(a) * f64::from(b) / (f64::from(cells) * 2.0f64.powi(62) / 3.0);
+                    }
+                }
+            }
+            for (j, row) in sums.iter().enumerate() {
+                for (k, sum) in row.iter().enumerate() {
+                    let same = step == [0, 0, 0] && j == k;
+                    assert!((sum - f64::from(u8::from(same))).abs() < 0.03, "step {step:?}, components {j}, {k}: {sum}");
                 }
             }
         }

@@ -1,7 +1,8 @@
 //! Sums of noise octaves: fractional Brownian motion, billows, ridged multifractals (Musgrave 1994) and domain warps.
 //! In: a chunk of points in metres. Out: one value for each point.
 
-use super::noise::{mix, noise_at, Lane, Lattice, Points, LANES};
+use super::noise::{mix, Lattice};
+use super::points::{Lane, Points, LANES};
 use crate::recipe::Octaves;
 
 /// Ratio of successive wavelengths; not 2, so that lattice nodes of successive octaves never coincide.
@@ -10,7 +11,7 @@ const LACUNARITY: f64 = 1.97;
 /// A run of octaves, ready to evaluate.
 #[derive(Clone, Debug)]
 pub(crate) struct Fractal {
-    octaves: Vec<(Lattice, f64)>,
+    octaves: Vec<(Lattice, f32)>,
     /// Sum of the amplitudes, the first being 1: the bound of the sum of octaves.
     pub(crate) total: f64,
 }
@@ -21,7 +22,8 @@ impl Fractal {
         let (mut octaves, mut total) = (Vec::new(), 0.0);
         let (mut wavelength, mut amplitude) = (run.wavelength_m, 1.0);
         while wavelength >= run.detail_m {
-            octaves.push((Lattice::new(mix(seed ^ mix(octaves.len() as u64)), wavelength), amplitude));
+            let turn = octaves.len() + (seed >> 32) as usize;
+            octaves.push((Lattice::new(mix(seed ^ mix(octaves.len() as u64)), turn, wavelength), amplitude as f32));
             total += amplitude;
             wavelength /= LACUNARITY;
             amplitude *= run.gain;
@@ -39,37 +41,36 @@ impl Fractal {
     }
 
     /// Sum of `shape(noise) * amplitude`.
-    pub(crate) fn sum(&self, p: &Points, out: &mut Lane, shape: impl Fn(f64) -> f64) {
-        let mut octave = [0.0; LANES];
-        out[..p.count].fill(0.0);
+    #[inline(always)]
+    pub(crate) fn sum(&self, p: &Points, shape: impl Fn(f32) -> f32) -> Lane {
+        let mut sum = [0.0; LANES];
         for (lattice, amplitude) in &self.octaves {
-            noise_at(lattice, p, &mut octave);
-            for (sum, &n) in out[..p.count].iter_mut().zip(&octave) {
-                *sum += shape(n) * amplitude;
-            }
+            lattice.noise(p, |i, noise| sum[i] += shape(noise) * amplitude);
         }
+        sum
     }
 
     /// Fractional Brownian motion, within ± `total`.
-    pub(crate) fn brownian(&self, p: &Points, out: &mut Lane) {
-        self.sum(p, out, |n| n);
+    #[inline(always)]
+    pub(crate) fn brownian(&self, p: &Points) -> Lane {
+        self.sum(p, |noise| noise)
     }
 
     /// Ridged multifractal from 0 to 1: sharp crests, each octave damped where the ones before it are low, so that
     /// valleys stay smooth and ridges branch.
-    pub(crate) fn ridged(&self, p: &Points, out: &mut Lane) {
-        let (mut octave, mut weight) = ([0.0; LANES], [1.0; LANES]);
-        out[..p.count].fill(0.0);
+    #[inline(always)]
+    pub(crate) fn ridged(&self, p: &Points) -> Lane {
+        let (mut sum, mut weight) = ([0.0; LANES], [1.0; LANES]);
         for (lattice, amplitude) in &self.octaves {
-            noise_at(lattice, p, &mut octave);
-            let share = amplitude / self.total;
-            for i in 0..p.count.min(LANES) {
-                let crest = 1.0 - (octave[i].abs() * 1.5).min(1.0);
+            let share = amplitude / self.total as f32;
+            lattice.noise(p, |i, noise| {
+                let crest = 1.0 - (noise.abs() * 1.5).min(1.0);
                 let signal = crest * crest * weight[i];
-                out[i] += signal * share;
+                sum[i] += signal * share;
                 weight[i] = (0.22 + signal * 1.8).min(1.0);
-            }
+            });
         }
+        sum
     }
 }
 
@@ -86,22 +87,52 @@ impl Warp {
         (reach_m > 0.0).then(|| Self { axes: [axis(0), axis(1), axis(2)], reach_m })
     }
 
+    #[inline(always)]
     pub(crate) fn apply(&self, p: &Points) -> Points {
-        let mut moved = p.clone();
-        let mut push = [0.0; LANES];
-        for (axis, target) in self.axes.iter().zip([&mut moved.x, &mut moved.y, &mut moved.z]) {
-            axis.brownian(p, &mut push);
-            for (t, &v) in target[..p.count].iter_mut().zip(&push) {
-                *t += v * self.reach_m;
+        let mut place = p.place;
+        for (axis, place) in self.axes.iter().zip(&mut place) {
+            let push = axis.brownian(p);
+            for i in 0..LANES {
+                place[i] += f64::from(push[i]) * self.reach_m;
             }
         }
-        moved
+        Points::at(place)
     }
 }
 
-/// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
+/// A smooth rise from 0 to 1.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Ramp {
+    from: f32,
+    per_width: f32,
+}
+
+impl Ramp {
+    /// 0 below `edges[0]`, 1 above `edges[1]`.
+    #[inline(always)]
+    pub(crate) const fn new(edges: [f64; 2]) -> Self {
+        Self { from: edges[0] as f32, per_width: (1.0 / (edges[1] - edges[0])) as f32 }
+    }
+
+    #[inline(always)]
+    pub(crate) fn at(self, v: f32) -> f32 {
+        let t = ((v - self.from) * self.per_width).clamp(0.0, 1.0);
+        t * t * (3.0 - 2.0 * t)
+    }
+
+    /// The ramp over every lane.
+    #[inline(always)]
+    pub(crate) fn lanes(self, values: &Lane) -> Lane {
+        let mut out = *values;
+        for v in &mut out {
+            *v = self.at(*v);
+        }
+        out
+    }
+}
+
+/// Whether any lane is above 0.
 #[inline(always)]
-pub(crate) fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
-    let t = ((v - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
+pub(crate) fn any_above_zero(lane: &Lane) -> bool {
+    lane.iter().fold(false, |any, &v| any | (v > 0.0))
 }

@@ -1,8 +1,9 @@
 //! The noise layers: continents, mountains, hills, plains. In: a chunk of points in metres and the base elevation. Out:
-//! metres added to the height (and, from continents, to the base).
+//! metres of the layer's own at each point, or nothing where it is hidden from the whole chunk.
 
-use super::noise::{mix, Lane, Points, LANES};
-use super::octaves::{smoothstep, Fractal, Warp};
+use super::noise::mix;
+use super::octaves::{any_above_zero, Fractal, Ramp, Warp};
+use super::points::{Lane, Points, LANES};
 use super::profile::Profile;
 use crate::recipe;
 
@@ -28,27 +29,32 @@ impl Continents {
         }
     }
 
-    pub(crate) fn add(&self, p: &Points, out: &mut Lane) {
-        let moved = self.warp.as_ref().map(|w| w.apply(p));
-        let p = moved.as_ref().unwrap_or(p);
-        let mut value = [0.0; LANES];
-        self.fractal.brownian(p, &mut value);
-        for (o, &v) in out[..p.count].iter_mut().zip(&value) {
-            *o += self.profile.at(v);
-        }
+    #[inline(always)]
+    pub(crate) fn metres(&self, p: &Points) -> Lane {
+        let moved;
+        let p = match &self.warp {
+            Some(warp) => {
+                moved = warp.apply(p);
+                &moved
+            }
+            None => p,
+        };
+        let mut own = self.profile.lanes(&self.fractal.brownian(p));
         if let Some(ridges) = &self.ridges {
-            if out[..p.count].iter().any(|&h| h < RIDGE_FADE_M[1]) {
-                self.add_ridges(ridges, p, out);
+            if own.iter().fold(false, |any, &h| any | (h < RIDGE_FADE_M[1] as f32)) {
+                self.add_ridges(ridges, p, &mut own);
             }
         }
+        own
     }
 
-    fn add_ridges(&self, ridges: &Fractal, p: &Points, out: &mut Lane) {
-        let mut crest = [0.0; LANES];
-        ridges.brownian(p, &mut crest);
-        for (o, &v) in out[..p.count].iter_mut().zip(&crest) {
-            let near = 1.0 - (v.abs() * 4.0).min(1.0);
-            *o += self.ridge_m * near * near * (1.0 - smoothstep(RIDGE_FADE_M, *o));
+    #[inline(always)]
+    fn add_ridges(&self, ridges: &Fractal, p: &Points, own: &mut Lane) {
+        const FADE: Ramp = Ramp::new(RIDGE_FADE_M);
+        let crest = ridges.brownian(p);
+        for i in 0..LANES {
+            let near = 1.0 - (crest[i].abs() * 4.0).min(1.0);
+            own[i] += self.ridge_m as f32 * near * near * (1.0 - FADE.at(own[i]));
         }
     }
 
@@ -69,7 +75,9 @@ pub(crate) struct Mountains {
     ranges: Fractal,
     /// How high each stretch of a range stands; breaks closed lines into separate ranges.
     vigour: Fractal,
-    recipe: recipe::Mountains,
+    above: Ramp,
+    range_width: f32,
+    amplitude_m: f64,
 }
 
 impl Mountains {
@@ -79,49 +87,64 @@ impl Mountains {
             warp: Warp::new(mix(seed ^ 1), recipe.octaves.wavelength_m, recipe.warp_m, 2),
             ranges: Fractal::few(mix(seed ^ 2), recipe.range_m, 5),
             vigour: Fractal::few(mix(seed ^ 3), recipe.range_m * 0.6, 2),
-            recipe: recipe.clone(),
+            above: Ramp::new(recipe.above_m),
+            range_width: recipe.range_width as f32,
+            amplitude_m: recipe.amplitude_m,
         }
     }
 
-    pub(crate) fn add(&self, p: &Points, base: &Lane, out: &mut Lane) {
-        let mut mask = [0.0; LANES];
-        if !above(base, p.count, self.recipe.above_m, &mut mask) {
-            return;
+    #[inline(always)]
+    pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
+        let mask = self.mask(p, base)?;
+        let moved;
+        let p = match &self.warp {
+            Some(warp) => {
+                moved = warp.apply(p);
+                &moved
+            }
+            None => p,
+        };
+        let mut own = self.fractal.ridged(p);
+        for i in 0..LANES {
+            own[i] = self.amplitude_m as f32 * mask[i] * (UPLIFT * mask[i] + (1.0 - UPLIFT) * own[i]);
         }
-        let mut range = [0.0; LANES];
-        self.ranges.brownian(p, &mut range);
-        let mut vigour = [0.0; LANES];
-        self.vigour.brownian(p, &mut vigour);
-        for ((m, &r), &v) in mask[..p.count].iter_mut().zip(&range).zip(&vigour) {
-            let width = self.recipe.range_width * (0.7 + 1.2 * v).clamp(0.0, 1.0) + 1e-9;
-            *m *= smoothstep([0.0, 1.0], 1.0 - r.abs() / width) * (0.55 + 0.9 * v).clamp(0.0, 1.0);
+        Some(own)
+    }
+
+    /// How much of a range stands where, 0 to 1; nothing where that is 0 throughout.
+    #[inline(always)]
+    fn mask(&self, p: &Points, base: &Lane) -> Option<Lane> {
+        const FLANK: Ramp = Ramp::new([0.0, 1.0]);
+        let mut mask = self.above.lanes(base);
+        if !any_above_zero(&mask) {
+            return None;
         }
-        if mask[..p.count].iter().all(|&m| m <= 0.0) {
-            return;
+        let (ranges, vigour) = (self.ranges.brownian(p), self.vigour.brownian(p));
+        for i in 0..LANES {
+            let width = self.range_width * (0.7 + 1.2 * vigour[i]).clamp(0.0, 1.0) + 1e-9;
+            let flank = FLANK.at(1.0 - ranges[i].abs() / width);
+            mask[i] *= flank * (0.55 + 0.9 * vigour[i]).clamp(0.0, 1.0);
         }
-        let moved = self.warp.as_ref().map(|w| w.apply(p));
-        let mut ridges = [0.0; LANES];
-        self.fractal.ridged(moved.as_ref().unwrap_or(p), &mut ridges);
-        for i in 0..p.count.min(LANES) {
-            out[i] += self.recipe.amplitude_m * mask[i] * (UPLIFT * mask[i] + (1.0 - UPLIFT) * ridges[i]);
-        }
+        any_above_zero(&mask).then_some(mask)
     }
 
     pub(crate) fn range(&self) -> (f64, f64) {
-        (0.0, self.recipe.amplitude_m)
+        (0.0, self.amplitude_m)
     }
 }
 
 /// Share of a range's height that is a smooth swell under the ridges.
-const UPLIFT: f64 = 0.12;
+const UPLIFT: f32 = 0.12;
 
 /// Hills, or mounds and gullies.
 pub(crate) struct Hills {
     fractal: Fractal,
     regions: Fractal,
     /// Region noise over which hills fade in.
-    edges: [f64; 2],
-    recipe: recipe::Hills,
+    cover: Ramp,
+    above: Ramp,
+    roundness: f32,
+    amplitude_m: f64,
 }
 
 impl Hills {
@@ -131,34 +154,41 @@ impl Hills {
         Self {
             fractal: Fractal::new(seed, &recipe.octaves),
             regions: Fractal::few(mix(seed ^ 1), recipe.region_m, 3),
-            edges,
-            recipe: recipe.clone(),
+            cover: Ramp::new(edges),
+            above: Ramp::new(recipe.above_m),
+            roundness: recipe.roundness as f32,
+            amplitude_m: recipe.amplitude_m,
         }
     }
 
-    pub(crate) fn add(&self, p: &Points, base: &Lane, out: &mut Lane) {
-        let mut mask = [0.0; LANES];
-        if !above(base, p.count, self.recipe.above_m, &mut mask) {
-            return;
-        }
-        let mut value = [0.0; LANES];
-        self.regions.brownian(p, &mut value);
-        for (m, &v) in mask[..p.count].iter_mut().zip(&value) {
-            *m *= smoothstep(self.edges, v);
-        }
-        if mask[..p.count].iter().all(|&m| m <= 0.0) {
-            return;
-        }
-        let round = self.recipe.roundness;
+    #[inline(always)]
+    pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
+        let mask = self.mask(p, base)?;
+        let round = self.roundness;
         let plain = 1.0 - round.abs();
-        self.fractal.sum(p, &mut value, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);
-        for i in 0..p.count.min(LANES) {
-            out[i] += self.recipe.amplitude_m * mask[i] * value[i];
+        let mut own = self.fractal.sum(p, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);
+        for i in 0..LANES {
+            own[i] *= self.amplitude_m as f32 * mask[i];
         }
+        Some(own)
+    }
+
+    /// How hilly it is where, 0 to 1; nothing where that is 0 throughout.
+    #[inline(always)]
+    fn mask(&self, p: &Points, base: &Lane) -> Option<Lane> {
+        let mut mask = self.above.lanes(base);
+        if !any_above_zero(&mask) {
+            return None;
+        }
+        let regions = self.regions.brownian(p);
+        for i in 0..LANES {
+            mask[i] *= self.cover.at(regions[i]);
+        }
+        any_above_zero(&mask).then_some(mask)
     }
 
     pub(crate) fn range(&self) -> (f64, f64) {
-        let bound = self.recipe.amplitude_m * self.fractal.total;
+        let bound = self.amplitude_m * self.fractal.total;
         (-bound, bound)
     }
 }
@@ -174,24 +204,17 @@ impl Plains {
         Self { fractal: Fractal::new(seed, &recipe.octaves), amplitude_m: recipe.amplitude_m }
     }
 
-    pub(crate) fn add(&self, p: &Points, out: &mut Lane) {
-        let mut value = [0.0; LANES];
-        self.fractal.brownian(p, &mut value);
-        for (o, &v) in out[..p.count].iter_mut().zip(&value) {
-            *o += self.amplitude_m * v;
+    #[inline(always)]
+    pub(crate) fn metres(&self, p: &Points) -> Lane {
+        let mut own = self.fractal.brownian(p);
+        for v in &mut own {
+            *v *= self.amplitude_m as f32;
         }
+        own
     }
 
     pub(crate) fn range(&self) -> (f64, f64) {
         let bound = self.amplitude_m * self.fractal.total;
         (-bound, bound)
     }
-}
-
-/// Fills `mask` with the share of a layer that its base elevation lets through; false where all of it is 0.
-pub(crate) fn above(base: &Lane, count: usize, edges: [f64; 2], mask: &mut Lane) -> bool {
-    for (m, &b) in mask[..count].iter_mut().zip(base) {
-        *m = smoothstep(edges, b);
-    }
-    mask[..count].iter().any(|&m| m > 0.0)
 }

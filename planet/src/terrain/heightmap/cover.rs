@@ -2,8 +2,8 @@
 //!
 //! In: the samples. Out: a weight for any place between them. Distances go by chamfer steps (Borgefors 1986).
 
+use super::smoothstep;
 use crate::heightfield::Heightfield;
-use crate::terrain::octaves::smoothstep;
 use std::f64::consts::SQRT_2;
 
 /// Samples over which the map fades in around a gap.

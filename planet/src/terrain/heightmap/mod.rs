@@ -6,11 +6,16 @@
 mod cover;
 mod place;
 
-use super::octaves::smoothstep;
 use crate::heightfield::import::{self, Imported, Values};
 use crate::recipe::{self, HeightScale, Recipe, RecipeError};
 use cover::Cover;
 use place::{Place, Spot};
+
+/// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
+fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
+    let t = ((v - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
 
 /// Heights that a planet can have, in metres.
 const HEIGHTS_M: std::ops::RangeInclusive<f64> = -1e5..=1e5;

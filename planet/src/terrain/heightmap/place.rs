@@ -2,10 +2,10 @@
 //!
 //! In: unit directions. Out: column and row as fractions, and a weight that falls to 0 at the edge.
 
+use super::smoothstep;
 use crate::heightfield::import::{GeographicGrid, Imported};
 use crate::recipe::Placement;
 use crate::terrain::angles::{atan2, sin_cos};
-use crate::terrain::octaves::smoothstep;
 use std::f64::consts::PI;
 
 /// Share of a map's side over which it blends with the ground unless the recipe says otherwise.

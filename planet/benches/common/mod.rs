@@ -1,0 +1,27 @@
+//! What the benchmarks share: the shipped planets, and the patches they are measured on.
+
+use std::path::Path;
+use terrane_planet::patch::PatchId;
+use terrane_planet::planet::Planet;
+use terrane_planet::recipe::Recipe;
+use terrane_planet::sphere::direction_at;
+
+/// Grid cells along a patch side, as shipped.
+const CELLS: u32 = 128;
+
+/// Levels from a whole face (100 km cells on an Earth) to cells of 0.6 m.
+#[allow(dead_code, reason = "not every benchmark goes through the levels")]
+pub(crate) const LEVELS: [u8; 4] = [0, 5, 10, 17];
+
+/// A shipped planet.
+pub(crate) fn planet(name: &str) -> Planet {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("recipes/{name}.toml"));
+    let recipe = Recipe::load(&path).unwrap_or_else(|e| panic!("{e}"));
+    Planet::from_recipe(recipe, CELLS).unwrap_or_else(|e| panic!("{e}"))
+}
+
+/// Patches of a level at places named for what terra has there.
+pub(crate) fn patches(level: u8) -> impl Iterator<Item = (&'static str, PatchId)> {
+    let places = [("coast", 36.62, 106.05), ("mountains", -20.0, -150.0), ("ocean", 20.0, 10.0)];
+    places.into_iter().map(move |(name, lat, lon)| (name, PatchId::containing(direction_at(lat, lon), level)))
+}

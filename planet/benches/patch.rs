@@ -1,0 +1,31 @@
+//! What a patch built on demand costs, part by part: `cargo bench -p terrane-planet --bench patch`.
+
+mod common;
+
+use common::{patches, planet, LEVELS};
+use criterion::{criterion_group, criterion_main, Criterion};
+use terrane_planet::ground::HeightGrid;
+use terrane_planet::progressive::PatchMesh;
+use terrane_planet::store::BakedPatch;
+use terrane_planet::texture::PatchTexture;
+
+fn parts(criterion: &mut Criterion) {
+    for name in ["terra", "luna"] {
+        let planet = planet(name);
+        let ground = planet.ground();
+        for (level, (place, id)) in LEVELS.into_iter().flat_map(|level| patches(level).take(2).map(move |patch| (level, patch))) {
+            let mut group = criterion.benchmark_group(format!("{name}, level {level}, {place}"));
+            group.sample_size(20);
+            group.bench_function("heights", |b| b.iter(|| HeightGrid::sample(&ground, id)));
+            let grid = HeightGrid::sample(&ground, id);
+            group.bench_function("mesh", |b| b.iter(|| PatchMesh::build(&ground, id, &grid)));
+            group.bench_function("textures", |b| b.iter(|| PatchTexture::new(&ground, &planet.terrain, id, &grid)));
+            let (mesh, texture, _) = planet.build(id);
+            group.bench_function("encode", |b| b.iter(|| BakedPatch::new(&mesh, &texture)));
+            group.bench_function("whole", |b| b.iter(|| planet.build(id)));
+        }
+    }
+}
+
+criterion_group!(benches, parts);
+criterion_main!(benches);
