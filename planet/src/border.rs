@@ -77,12 +77,11 @@ impl BorderLine {
         wakes_of_rows(&rows, kappa)
     }
 
-    /// `V = max(W of this level, W of the next finer level)`: the wakes that both levels of patches along the line agree on.
-    pub fn shared_wakes(&self, ground: &Ground, level: u8, kappa: f64) -> Vec<Wake> {
-        let count = ground.cells as usize;
-        let coarse = self.canonical_wakes(ground, level, count, kappa);
-        let fine = self.canonical_wakes(ground, level + 1, 2 * count, kappa);
-        coarse.into_iter().enumerate().map(|(k, wake)| wake.max(fine[2 * k])).collect()
+    /// `V = max(W of this level, W of the next finer level)`: the wakes that both levels of patches along the line agree on. In: the
+    /// line's canonical wakes at this level.
+    pub fn shared_wakes(&self, ground: &Ground, level: u8, canonical: &[Wake], kappa: f64) -> Vec<Wake> {
+        let fine = self.canonical_wakes(ground, level + 1, 2 * ground.cells as usize, kappa);
+        canonical.iter().enumerate().map(|(k, &wake)| wake.max(fine[2 * k])).collect()
     }
 
     /// Index of the line's origin along its whole cube edge, in samples of a level.

@@ -99,8 +99,7 @@ impl<'a> Levels<'a> {
     /// Steps at which the builder's own errors promise that a surface is good enough; measuring finds it good with fewer.
     fn promised(&self, error: f64) -> Option<usize> {
         let Sequence::Collapses(collapses) = &self.sequence else { return None };
-        let good = collapses.order.iter().take_while(|&&v| f64::from(collapses.error[v as usize]) <= error).count();
-        Some(collapses.order.len() - good)
+        Some(collapses.order.len() - collapses.collapses_within(error))
     }
 
     /// Ever coarser surfaces from one that holds, until one fails. Out: the fewest steps that are still open, steps that hold, and

@@ -1,10 +1,8 @@
 //! The vertical error of a triangle surface at every sample of a heightfield, measured apart from whatever built the surface:
 //! each triangle is scan-converted over the samples that it covers. In: a surface and the field that it stands for, in the
 //! same coordinates. Out: the largest and the root mean square error, and how many samples lie under no triangle.
-//!
-//! Triangles that share an edge compute the same crossings with every row, so no sample falls between them however vertices
-//! lie off the grid.
 
+use super::raster::for_each_row;
 use super::{Heightfield, TriangleSurface};
 use glam::DVec3;
 
@@ -53,16 +51,11 @@ impl Tally<'_> {
             return;
         }
         let last = (self.field.rows() - 1) as f64;
-        let (south, north) = (a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y));
-        let (mut y, end) = (south.ceil().max(0.0), north.floor().min(last));
-        while y <= end {
-            self.add_span(y, &span(triangle, y));
-            y += 1.0;
-        }
+        for_each_row(triangle, last, |y, west, east| self.add_span(y, west, east));
     }
 
     /// Adds the samples of row `y` between the two ends of a span.
-    fn add_span(&mut self, y: f64, [west, east]: &[DVec3; 2]) {
+    fn add_span(&mut self, y: f64, west: DVec3, east: DVec3) {
         let (columns, rows) = (self.field.columns(), self.field.rows());
         let (first, last) = (west.x.ceil().max(0.0), east.x.floor().min((columns - 1) as f64));
         if last < first {
@@ -86,36 +79,6 @@ impl Tally<'_> {
             }
         }
     }
-}
-
-/// West and east ends of the cut of a triangle with the line at `y`, which meets it.
-fn span([a, b, c]: [DVec3; 3], y: f64) -> [DVec3; 2] {
-    let mut ends = [DVec3::splat(f64::INFINITY), DVec3::splat(f64::NEG_INFINITY)];
-    for (from, to) in [(a, b), (b, c), (c, a)] {
-        // The same edge gives the same bits from both of its sides.
-        let (low, high) = if (from.y, from.x) <= (to.y, to.x) { (from, to) } else { (to, from) };
-        if low.y > y || high.y < y {
-            continue;
-        }
-        let crossings = if low.y == high.y { [low, high] } else { [crossing(low, high, y); 2] };
-        for point in crossings {
-            if point.x < ends[0].x {
-                ends[0] = point;
-            }
-            if point.x > ends[1].x {
-                ends[1] = point;
-            }
-        }
-    }
-    ends
-}
-
-/// Where an edge that is not level crosses the line at `y`; exactly its end if that lies on the line.
-fn crossing(low: DVec3, high: DVec3, y: f64) -> DVec3 {
-    if y == high.y {
-        return high;
-    }
-    low + (high - low) * ((y - low.y) / (high.y - low.y))
 }
 
 #[cfg(test)]

@@ -3,6 +3,8 @@
 mod deviation;
 mod fill;
 pub mod import;
+pub(crate) mod polish;
+mod raster;
 
 pub use deviation::Deviation;
 

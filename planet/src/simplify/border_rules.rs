@@ -95,9 +95,11 @@ impl BorderRules {
         let n = ground.cells as usize;
         let line = BorderLine::of_side(id, side);
         let keys = line.canonical_wakes(ground, id.level, n, kappa);
-        let own = line.shared_wakes(ground, id.level, kappa);
+        let own = line.shared_wakes(ground, id.level, &keys, kappa);
         let coarser = id.parent().filter(|_| id.on_parent_boundary(side)).map(|parent| {
-            let wakes = BorderLine::of_side(parent, side).shared_wakes(ground, parent.level, kappa);
+            let line = BorderLine::of_side(parent, side);
+            let canonical = line.canonical_wakes(ground, parent.level, n, kappa);
+            let wakes = line.shared_wakes(ground, parent.level, &canonical, kappa);
             let half = if side.is_horizontal() { id.x } else { id.y } % 2 * (n as u32 / 2);
             move |k: usize| wakes[half as usize + k / 2]
         });

@@ -2,7 +2,7 @@
 //!
 //! Reading order: [`mesh`] (connectivity), [`samples`] (what is approximated), [`star`] (a vertex's neighbourhood and the ranking of
 //! its collapses), [`fan`] (the exact measure of one), [`decimator`] (the four together). On top of that stand two simplifiers:
-//! [`plain`] for heightfields, by rising error; and [`builder`] for patches, by rising wake, with [`surface`] (the gnomonic plane and
+//! [`plain`] for heightfields, by rising error ([`polished`] then moves its vertices to where the error is largest); and [`builder`] for patches, by rising wake, with [`surface`] (the gnomonic plane and
 //! the radial error), [`border_rules`] (wakes and targets along the four sides) and [`guard`] (what interior collapses beside a
 //! border must leave possible).
 
@@ -14,6 +14,7 @@ pub mod guard;
 mod lanes;
 pub mod mesh;
 pub mod plain;
+pub mod polished;
 mod queue;
 pub mod samples;
 pub mod star;

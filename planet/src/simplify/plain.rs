@@ -217,13 +217,27 @@ impl HalfEdgeCollapses {
     pub fn collapses_to(&self, faces: usize) -> usize {
         let mut left = self.most_faces();
         let still_more = |&v: &u32| {
-            let (i, j) = (v as usize % self.columns, v as usize / self.columns);
-            let on_side = i == 0 || j == 0 || i == self.columns - 1 || j == self.rows - 1;
             let more = left > faces;
-            left -= if on_side { 1 } else { 2 };
+            left -= self.faces_of(v);
             more
         };
         self.order.iter().copied().take_while(still_more).count()
+    }
+
+    /// Faces that are left after so many collapses.
+    pub fn faces_after(&self, collapses: usize) -> usize {
+        self.most_faces() - self.order[..collapses].iter().map(|&v| self.faces_of(v)).sum::<usize>()
+    }
+
+    /// Faces that the collapse of a vertex removes.
+    fn faces_of(&self, v: u32) -> usize {
+        let (i, j) = (v as usize % self.columns, v as usize / self.columns);
+        let on_side = i == 0 || j == 0 || i == self.columns - 1 || j == self.rows - 1;
+        if on_side {
+            1
+        } else {
+            2
+        }
     }
 
     /// The surface after so many collapses, in the coordinates of [`Heightfield::position`].

@@ -82,15 +82,25 @@ impl Surface {
 
     fn half_cell_deviation(&self, plane: &GnomonicPlane) -> f64 {
         let n = self.cells as i32;
+        let at = |i: i32, j: i32| self.samples.at((j * (n + 1) + i) as u32);
+        let error = |sample: &Sample, depth: f64, a: i32, b: i32| (depth - sample.q).abs() * plane.distance(a, b) / depth;
         let mut worst = 0.0f64;
-        for b in 0..=2 * n {
-            for a in 0..=2 * n {
-                if a % 2 == 0 && b % 2 == 0 {
-                    continue;
-                }
-                let sample = plane.sample(a, b);
-                let depth = self.grid_depth(&sample, (a / 2).min(n - 1), (b / 2).min(n - 1));
-                worst = worst.max((depth - sample.q).abs() * plane.distance(a, b) / depth);
+        for (i, j) in (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))) {
+            let corner = at(i, j);
+            // Half-cell samples on grid lines lie on edges of triangles; only those inside cells need their triangle.
+            if i < n {
+                let (sample, end) = (plane.sample(2 * i + 1, 2 * j), at(i + 1, j));
+                let depth = corner.q + (end.q - corner.q) * ((sample.x - corner.x) / (end.x - corner.x));
+                worst = worst.max(error(&sample, depth, 2 * i + 1, 2 * j));
+            }
+            if j < n {
+                let (sample, end) = (plane.sample(2 * i, 2 * j + 1), at(i, j + 1));
+                let depth = corner.q + (end.q - corner.q) * ((sample.y - corner.y) / (end.y - corner.y));
+                worst = worst.max(error(&sample, depth, 2 * i, 2 * j + 1));
+            }
+            if i < n && j < n {
+                let sample = plane.sample(2 * i + 1, 2 * j + 1);
+                worst = worst.max(error(&sample, self.grid_depth(&sample, i, j), 2 * i + 1, 2 * j + 1));
             }
         }
         worst
