@@ -209,11 +209,11 @@ fn wrong_image_is_accepted() {
     use png::{BitDepth, ColorType};
     let grey = ColorType::Grayscale;
     let cases = [
-        (image(4, 2, grey, BitDepth::Eight, &[0; 8]), "8 bits", "16 bits"),
+        (image(4, 2, grey, BitDepth::Four, &[0; 4]), "4 bits", "16 or 8 bits"),
         (image(4, 2, ColorType::Rgb, BitDepth::Sixteen, &[0; 48]), "Rgb", "greyscale"),
         (grey16(4, 4, |_, _| 0), "4 x 4", "twice as wide"),
-        (grey16(2, 1, |_, _| 0), "2 x 1", "2 to 32768"),
-        (b"not a png at all".to_vec(), "ignature", "undamaged PNG"),
+        (grey16(2, 1, |_, _| 0), "2 x 1", "at least 2 x 2"),
+        (b"not a png at all".to_vec(), "first bytes", "png file"),
         (grey16(64, 32, |x, y| (x * y) as u16)[..90].to_vec(), "found", "undamaged PNG"),
     ];
     for (bytes, found, expected) in cases {

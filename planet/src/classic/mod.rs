@@ -6,6 +6,7 @@
 mod cost;
 mod decimate;
 mod error;
+mod levels;
 mod mesh;
 mod outline;
 mod progressive_mesh;
@@ -15,6 +16,7 @@ mod spring;
 mod validate;
 
 pub use error::ClassicError;
+pub use levels::{Level, Levels};
 pub use mesh::{FaceMesh, Star, NONE};
 pub use progressive_mesh::ProgressiveMesh;
 pub use split::{Refusal, VertexSplit};

@@ -1,6 +1,7 @@
 //! Binary glTF 2.0: one node with one mesh of `f32` positions and `u32` indices.
 //!
-//! glTF is Y-up: planet-fixed (x, y, z) becomes (x, z, -y), a turn by -90° about X, so north is +Y and longitude 0 stays +X.
+//! glTF is Y-up: (x, y, z) becomes (x, z, -y), a turn by -90° about X. On a planet north is +Y and longitude 0 stays +X; over a
+//! heightfield up is +Y, east +X and north -Z.
 //!
 //! Positions are rounded to single precision once, as metres from the origin: the error is at most 2^-25 of the coordinate,
 //! 0.03 mm at 1 km from the origin and 0.25 m at an Earth's radius from it. The node's translation puts the mesh back where it is
@@ -8,7 +9,7 @@
 //! integers in the planet's axes (`origin_lattice`), and the length of a lattice unit (`unit_m`). Programs that transform in single precision
 //! should drop the translation, or they lose what the origin has won.
 
-use super::{ExportError, Placed};
+use super::{ExportError, Model};
 use glam::DVec3;
 use serde_json::json;
 
@@ -26,32 +27,30 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34_963;
 ///
 /// # Errors
 /// For more than the 4 GiB that the format can state.
-pub fn encode(mesh: &Placed) -> Result<Vec<u8>, ExportError> {
-    let surface = mesh.surface;
-    let (vertex_bytes, index_bytes) = (12 * surface.positions.len() as u64, 12 * surface.triangles.len() as u64);
+pub(super) fn encode(mesh: &Model) -> Result<Vec<u8>, ExportError> {
+    let (vertex_bytes, index_bytes) = (12 * mesh.positions.len() as u64, 12 * mesh.triangles.len() as u64);
     let (mut low, mut high) = ([f32::MAX; 3], [f32::MIN; 3]);
     let mut binary = Vec::new();
-    for &position in &surface.positions {
-        let point = y_up(mesh.metres(position));
+    for &position in &mesh.positions {
+        let point = y_up(position);
         for axis in 0..3 {
             low[axis] = low[axis].min(point[axis]);
             high[axis] = high[axis].max(point[axis]);
             binary.extend(point[axis].to_le_bytes());
         }
     }
-    surface.triangles.as_flattened().iter().for_each(|v| binary.extend(v.to_le_bytes()));
+    mesh.triangles.as_flattened().iter().for_each(|v| binary.extend(v.to_le_bytes()));
     let document = json!({
         "asset": { "version": "2.0", "generator": concat!("Terrane ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
         "nodes": [{
-            "name": "terrane", "mesh": 0, "translation": y_up(mesh.origin.as_dvec3() * mesh.lattice.unit),
-            "extras": { "origin_lattice": mesh.origin.to_array(), "unit_m": mesh.lattice.unit, "axes": "planet (x, y, z) is glTF (x, z, -y)" },
+            "name": "terrane", "mesh": 0, "translation": y_up(mesh.translation), "extras": mesh.extras,
         }],
         "meshes": [{ "primitives": [{ "attributes": { "POSITION": 0 }, "indices": 1, "mode": 4 }] }],
         "accessors": [
-            { "bufferView": 0, "componentType": FLOAT, "count": surface.positions.len(), "type": "VEC3", "min": low, "max": high },
-            { "bufferView": 1, "componentType": UNSIGNED_INT, "count": 3 * surface.triangles.len(), "type": "SCALAR" },
+            { "bufferView": 0, "componentType": FLOAT, "count": mesh.positions.len(), "type": "VEC3", "min": low, "max": high },
+            { "bufferView": 1, "componentType": UNSIGNED_INT, "count": 3 * mesh.triangles.len(), "type": "SCALAR" },
         ],
         "bufferViews": [
             { "buffer": 0, "byteOffset": 0, "byteLength": vertex_bytes, "target": ARRAY_BUFFER },
@@ -62,7 +61,7 @@ pub fn encode(mesh: &Placed) -> Result<Vec<u8>, ExportError> {
     container(document.to_string().into_bytes(), &binary)
 }
 
-/// Planet-fixed metres in glTF's axes.
+/// Metres in glTF's axes.
 fn y_up(metres: DVec3) -> [f32; 3] {
     // No negative zero, which some validators dislike.
     [metres.x, metres.z, 0.0 - metres.y].map(|c| c as f32)

@@ -1,11 +1,11 @@
-//! Meshes for other programs: exactly the triangles that a view draws, as OBJ, PLY or GLB.
+//! Meshes for other programs, as OBJ, PLY or GLB: exactly the triangles that a view draws, or a surface over a heightfield.
 //!
-//! In: stored patches and a view. Out: the bytes of a file. The CPU twins decide the triangles, so that no GPU is needed; the
-//! vertices of all patches are welded by their lattice positions.
+//! In: stored patches and a view, or a triangle surface. Out: the bytes of a file. The CPU twins decide the triangles of a view,
+//! so that no GPU is needed; the vertices of all patches are welded by their lattice positions.
 //!
-//! OBJ and PLY hold planet-fixed metres without any rounding: a lattice unit is a power of two, so every position is a finite
-//! decimal (OBJ) and a double (PLY). The axes are the planet's: +Z north, +X towards longitude 0, +Y towards 90° east. GLB holds
-//! single precision only and is Y-up, see [`glb`].
+//! OBJ and PLY hold metres without any rounding. On a planet a lattice unit is a power of two, so every position is a finite
+//! decimal (OBJ) and a double (PLY); the axes are the planet's: +Z north, +X towards longitude 0, +Y towards 90° east. Over a
+//! heightfield +X is east, +Y north and +Z up. GLB holds single precision only and is Y-up, see [`glb`].
 
 pub mod glb;
 pub mod obj;
@@ -14,8 +14,10 @@ mod surface;
 
 pub use surface::{view_surface, Welded};
 
+use crate::heightfield::TriangleSurface;
 use crate::lattice::Lattice;
 use glam::{DVec3, IVec3};
+use serde_json::json;
 use std::path::Path;
 use thiserror::Error;
 
@@ -107,7 +109,62 @@ impl Placed<'_> {
     /// # Errors
     /// For a surface without triangles, or one that is too large for the format.
     pub fn encode(&self, format: Format) -> Result<Vec<u8>, ExportError> {
-        if self.surface.triangles.is_empty() {
+        self.model().encode(format)
+    }
+
+    /// What encoders need of it.
+    fn model(&self) -> Model<'_> {
+        let [x, y, z] = self.origin.to_array();
+        let unit = self.lattice.unit;
+        Model {
+            positions: self.surface.positions.iter().map(|&p| self.metres(p)).collect(),
+            triangles: &self.surface.triangles,
+            axes: "planet-fixed metres, +Z north, +X longitude 0",
+            provenance: format!("origin at lattice {x} {y} {z} from the planet's centre, lattice unit {unit} m"),
+            decimals: Some(obj::decimals(unit)),
+            translation: self.origin.as_dvec3() * unit,
+            extras: json!({ "origin_lattice": [x, y, z], "unit_m": unit, "axes": "planet (x, y, z) is glTF (x, z, -y)" }),
+        }
+    }
+}
+
+/// Triangles in metres and what a file says about them: all that the encoders know.
+pub struct Model<'a> {
+    positions: Vec<DVec3>,
+    triangles: &'a [[u32; 3]],
+    /// Unit and axes of the positions.
+    axes: &'static str,
+    /// Where the origin is, for people.
+    provenance: String,
+    /// Decimals that every coordinate fits into; without it as many as it takes to read the same number back.
+    decimals: Option<usize>,
+    /// Where GLB files put the origin.
+    translation: DVec3,
+    /// What GLB files say about the node.
+    extras: serde_json::Value,
+}
+
+impl<'a> Model<'a> {
+    /// A surface over a heightfield, from the south-west sample. `scale` is metres a sample spacing east, metres a sample
+    /// spacing north and metres a unit of height.
+    pub fn of_heightfield(surface: &'a TriangleSurface, scale: DVec3) -> Model<'a> {
+        Model {
+            positions: surface.positions.iter().map(|&p| p * scale).collect(),
+            triangles: &surface.faces,
+            axes: "metres, +X east, +Y north, +Z up",
+            provenance: format!("origin at the south-west sample, samples {} m apart east and {} m north", scale.x, scale.y),
+            decimals: None,
+            translation: DVec3::ZERO,
+            extras: json!({ "axes": "east, north, up (x, y, z) is glTF (x, z, -y)" }),
+        }
+    }
+
+    /// The bytes of a file.
+    ///
+    /// # Errors
+    /// For a surface without triangles, or one that is too large for the format.
+    pub fn encode(&self, format: Format) -> Result<Vec<u8>, ExportError> {
+        if self.triangles.is_empty() {
             return Err(ExportError::Empty);
         }
         match format {
@@ -115,12 +172,6 @@ impl Placed<'_> {
             Format::Obj => Ok(obj::encode(self)),
             Format::Ply => ply::encode(self),
         }
-    }
-
-    /// Where the origin is, for people: lattice units and their length.
-    fn provenance(&self) -> String {
-        let [x, y, z] = self.origin.to_array();
-        format!("origin at lattice {x} {y} {z} from the planet's centre, lattice unit {} m", self.lattice.unit)
     }
 }
 

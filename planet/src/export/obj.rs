@@ -1,21 +1,20 @@
 //! Wavefront OBJ: text, exact decimals, one object of triangles.
 
-use super::Placed;
+use super::Model;
 use std::fmt::Write;
 
 /// The bytes of a file.
-pub fn encode(mesh: &Placed) -> Vec<u8> {
-    let mut text = format!("# Terrane: planet-fixed metres, +Z north, +X longitude 0\n# {}\no terrane\n", mesh.provenance());
-    let digits = decimals(mesh.lattice.unit);
-    for &position in &mesh.surface.positions {
+pub(super) fn encode(mesh: &Model) -> Vec<u8> {
+    let mut text = format!("# Terrane: {}\n# {}\no terrane\n", mesh.axes, mesh.provenance);
+    for position in &mesh.positions {
         text.push('v');
-        for metres in mesh.metres(position).to_array() {
+        for metres in position.to_array() {
             text.push(' ');
-            push_decimal(&mut text, metres, digits);
+            push_decimal(&mut text, metres, mesh.decimals);
         }
         text.push('\n');
     }
-    for triangle in &mesh.surface.triangles {
+    for triangle in mesh.triangles {
         let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
         // Writing to a string cannot fail.
         let _ = writeln!(text, "f {a} {b} {c}");
@@ -24,12 +23,17 @@ pub fn encode(mesh: &Placed) -> Vec<u8> {
 }
 
 /// Decimals that a multiple of a power of two can have.
-fn decimals(unit: f64) -> usize {
+pub(super) fn decimals(unit: f64) -> usize {
     (-unit.log2()).max(0.0) as usize
 }
 
-/// All digits of a number, without zeros at the end: so many decimals print a multiple of the unit as it is.
-fn push_decimal(text: &mut String, number: f64, decimals: usize) {
+/// All digits of a number, without zeros at the end: so many decimals print a multiple of the unit as it is. Without a number
+/// of decimals the fewest digits that read back as the same double.
+fn push_decimal(text: &mut String, number: f64, decimals: Option<usize>) {
+    let Some(decimals) = decimals else {
+        let _ = write!(text, "{number}");
+        return;
+    };
     let _ = write!(text, "{number:.decimals$}");
     if decimals > 0 {
         text.truncate(text.trim_end_matches('0').trim_end_matches('.').len());
@@ -44,7 +48,7 @@ mod tests {
     fn decimals_are_exact() {
         let written = |number, unit: f64| {
             let mut text = String::new();
-            push_decimal(&mut text, number, decimals(unit));
+            push_decimal(&mut text, number, Some(decimals(unit)));
             text
         };
         assert_eq!(written(-1.0 / 128.0, 1.0 / 128.0), "-0.0078125");

@@ -1,6 +1,8 @@
 //! Plain heightfields: a rectangle of height samples, as elevation models come, and the surfaces that approximate them.
 
 mod deviation;
+mod fill;
+pub mod import;
 pub(crate) mod polish;
 mod raster;
 
@@ -37,6 +39,11 @@ impl Heightfield {
     /// All heights, row by row from the north; NaN where there is no data.
     pub fn heights(&self) -> &[f32] {
         &self.heights
+    }
+
+    /// The heights alone.
+    pub fn into_heights(self) -> Vec<f32> {
+        self.heights
     }
 
     /// Height of a sample.

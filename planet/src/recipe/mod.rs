@@ -7,7 +7,7 @@ mod palette;
 mod reader;
 
 pub use error::RecipeError;
-pub use layer::{Continents, Craters, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
+pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
 pub use palette::{Airless, Colour, Living, Palette};
 
 use reader::{Reader, Source};

@@ -20,14 +20,15 @@ pub const HEADER_BYTES: usize = 30;
 /// Where the checksum stands in the header.
 const CHECKSUM_AT: usize = HEADER_BYTES - 4;
 
-/// Writes one record.
-pub(super) struct RecordWriter {
+/// Writes one record. Public for tests and fuzzing, which need records that are sound but for what they hold.
+pub struct RecordWriter {
     bytes: Vec<u8>,
     raw: usize,
 }
 
 impl RecordWriter {
-    pub(super) fn new(magic: [u8; 4], id: PatchId, cells: u32) -> RecordWriter {
+    /// The record of a patch on a grid of `cells`, still without a body.
+    pub fn new(magic: [u8; 4], id: PatchId, cells: u32) -> RecordWriter {
         let mut bytes = Vec::with_capacity(1 << 16);
         bytes.extend(magic);
         bytes.extend(RECORD_VERSION.to_le_bytes());
@@ -40,13 +41,13 @@ impl RecordWriter {
     }
 
     /// Adds bytes as they are.
-    pub(super) fn plain(&mut self, bytes: &[u8]) {
+    pub fn plain(&mut self, bytes: &[u8]) {
         self.raw += bytes.len();
         self.bytes.extend(bytes);
     }
 
     /// Adds a compressed stream.
-    pub(super) fn stream(&mut self, bytes: &[u8]) {
+    pub fn stream(&mut self, bytes: &[u8]) {
         self.raw += bytes.len();
         // A frame of at most a few hundred kilobytes into a buffer of the size that zstd asks for cannot fail.
         let packed = zstd::bulk::compress(bytes, ZSTD_LEVEL).expect("zstd compresses into its own bound");
@@ -55,14 +56,33 @@ impl RecordWriter {
     }
 
     /// The record, with its lengths and checksum.
-    pub(super) fn finish(mut self) -> Vec<u8> {
-        let body = (self.bytes.len() - HEADER_BYTES) as u32;
-        self.bytes[CHECKSUM_AT - 8..CHECKSUM_AT - 4].copy_from_slice(&(self.raw as u32).to_le_bytes());
-        self.bytes[CHECKSUM_AT - 4..CHECKSUM_AT].copy_from_slice(&body.to_le_bytes());
-        let crc = checksum(&self.bytes);
-        self.bytes[CHECKSUM_AT..HEADER_BYTES].copy_from_slice(&crc.to_le_bytes());
+    pub fn finish(mut self) -> Vec<u8> {
+        state(&mut self.bytes, self.raw as u32);
         self.bytes
     }
+}
+
+/// Writes the lengths and the checksum into a record's header.
+fn state(bytes: &mut [u8], raw: u32) {
+    let body = (bytes.len() - HEADER_BYTES) as u32;
+    bytes[CHECKSUM_AT - 8..CHECKSUM_AT - 4].copy_from_slice(&raw.to_le_bytes());
+    bytes[CHECKSUM_AT - 4..CHECKSUM_AT].copy_from_slice(&body.to_le_bytes());
+    let crc = checksum(bytes);
+    bytes[CHECKSUM_AT..HEADER_BYTES].copy_from_slice(&crc.to_le_bytes());
+}
+
+/// Gives bytes the header that a record of this patch has, but for the raw length, which stays as it is: for fuzzing, which
+/// would never get past the checksum. False for fewer bytes than a header has.
+pub fn seal(bytes: &mut [u8], magic: [u8; 4], id: PatchId, cells: u32) -> bool {
+    if bytes.len() < HEADER_BYTES {
+        return false;
+    }
+    let header = RecordWriter::new(magic, id, cells).bytes;
+    let stated = CHECKSUM_AT - 8;
+    bytes[..stated].copy_from_slice(&header[..stated]);
+    let raw = u32::from_le_bytes([bytes[stated], bytes[stated + 1], bytes[stated + 2], bytes[stated + 3]]);
+    state(bytes, raw);
+    true
 }
 
 /// Checksum of a record: everything but the four bytes that hold it.

@@ -8,7 +8,7 @@
 #![allow(clippy::needless_range_loop, reason = "a loop over lanes reads and writes several arrays alike")]
 
 mod albedo;
-mod angles;
+pub(crate) mod angles;
 mod craters;
 mod heightmap;
 mod noise;
@@ -54,7 +54,7 @@ impl Terrain {
     /// Prepares a recipe's terrain and decodes its heightmaps.
     ///
     /// # Errors
-    /// If a heightmap is missing among the recipe's assets, damaged, or of the wrong depth, colour type or size.
+    /// If a heightmap is missing among the recipe's assets, damaged, or does not fit what the recipe says about it.
     pub fn new(recipe: &Recipe) -> Result<Self, RecipeError> {
         let step = |(i, layer): (usize, &Layer)| Step::new(recipe, mix(recipe.seed ^ mix(i as u64 + 1)), layer);
         let steps = recipe.layers.iter().enumerate().map(step).collect::<Result<Vec<_>, _>>()?;

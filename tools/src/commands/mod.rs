@@ -38,6 +38,7 @@ commands! {
     info => Info,
     mesh => Mesh,
     shot => Shot,
+    simplify => Simplify,
     study => Study,
     verify => Verify,
 }

@@ -1,0 +1,117 @@
+//! What the fuzzer calls, one function a target. A test of the planet package calls the same functions with every seed.
+//!
+//! In: any bytes. Out: nothing; a panic, a leak or too much memory is the finding.
+
+use terrane_planet::heightfield::import::{self, MOST_SAMPLES};
+use terrane_planet::patch::PatchId;
+use terrane_planet::sphere::Face;
+use terrane_planet::store::record::{seal, RecordWriter};
+use terrane_planet::store::{geometry, imagery, RecordError};
+
+/// Every reader of heightfields keeps its word about what it returns.
+fn heightfield(bytes: &[u8], name: &str) {
+    let Ok(image) = import::read(bytes, name) else { return };
+    let heights = image.field.heights();
+    assert!(heights.len() <= MOST_SAMPLES && heights.iter().all(|h| !h.is_infinite()));
+    assert_eq!(heights.iter().filter(|h| h.is_nan()).count(), image.no_data);
+    assert!(image.range[0] <= image.range[1] && image.no_data < heights.len());
+    assert!(image.spacing_m.is_none_or(|spacing| spacing.iter().all(|s| s.is_finite())));
+    if heights.len() < 1 << 16 {
+        let mut field = image.field;
+        assert_eq!(field.fill_gaps(), image.no_data);
+        assert!(field.heights().iter().all(|h| h.is_finite()));
+    }
+}
+
+pub fn png(bytes: &[u8]) {
+    heightfield(&with_magic(&[0x89, b'P', b'N', b'G'], bytes), "a.png");
+}
+
+pub fn tiff(bytes: &[u8]) {
+    heightfield(bytes, "a.tif");
+}
+
+pub fn raw(bytes: &[u8]) {
+    heightfield(bytes, "a.raw");
+}
+
+/// Short inputs stand for a whole tile, repeated: the fuzzer would never write three megabytes.
+pub fn hgt(bytes: &[u8]) {
+    let name = String::from_utf8_lossy(&bytes[..bytes.len().min(11)]) + ".hgt";
+    heightfield(bytes, &name);
+    if bytes.len() > 1 {
+        heightfield(&bytes.iter().copied().cycle().take(2 * 1201 * 1201).collect::<Vec<u8>>(), &name);
+    }
+}
+
+/// The bytes behind a format's first ones, which the reader needs to know it.
+fn with_magic(magic: &[u8], bytes: &[u8]) -> Vec<u8> {
+    let mut bytes = bytes.to_vec();
+    bytes.iter_mut().zip(magic).for_each(|(byte, magic)| *byte = *magic);
+    bytes
+}
+
+/// The patch and the grid of all records here.
+fn patch() -> Option<(PatchId, u32)> {
+    Some((PatchId::new(Face::ALL[2], 3, 1, 6)?, 8))
+}
+
+/// Records to decode: the bytes with the lengths and the checksum that their header should state; and one whose streams
+/// decompress, to the bytes and then zeros, so that the fuzzer need not learn to compress.
+fn records(bytes: &[u8], magic: [u8; 4], plain: usize, streams: &[usize]) -> Vec<Vec<u8>> {
+    let Some((id, cells)) = patch() else { return Vec::new() };
+    let mut sealed = bytes.to_vec();
+    let mut padded = bytes.to_vec();
+    padded.resize(padded.len().max(plain + streams.iter().sum::<usize>()), 0);
+    let mut record = RecordWriter::new(magic, id, cells);
+    let (head, mut rest) = padded.split_at(plain);
+    record.plain(head);
+    for &length in streams {
+        let (stream, left) = rest.split_at(length);
+        record.stream(stream);
+        rest = left;
+    }
+    let mut all = vec![record.finish()];
+    if seal(&mut sealed, magic, id, cells) {
+        all.push(sealed);
+    }
+    all
+}
+
+/// Vertices of the grid.
+const VERTICES: usize = 81;
+
+/// Bytes of a geometry record before its streams, and how many streams of one byte a vertex follow.
+const MEASURES: usize = 48;
+const PLANES: usize = 14;
+
+/// What a reader accepts it writes again, and reads the same from that.
+fn same_again<T: PartialEq>(
+    decoded: T,
+    encode: impl Fn(&T) -> Result<Vec<u8>, RecordError>,
+    decode: impl Fn(&[u8]) -> Option<T>,
+) {
+    let bytes = encode(&decoded).expect("what was read can be written");
+    assert!(decode(&bytes).is_some_and(|again| again == decoded), "what was written reads the same");
+}
+
+pub fn geometry(bytes: &[u8]) {
+    let Some((id, cells)) = patch() else { return };
+    let decode = |record: &[u8]| geometry::decode(record, id, cells);
+    for record in records(bytes, geometry::MAGIC, MEASURES, &[VERTICES; PLANES]) {
+        if let Ok(mesh) = decode(&record) {
+            same_again(mesh, geometry::encode, |record| decode(record).ok());
+        }
+    }
+}
+
+pub fn imagery(bytes: &[u8]) {
+    let Some((id, cells)) = patch() else { return };
+    let texels = terrane_planet::texture::texture_side(cells).pow(2) as usize;
+    let decode = |record: &[u8]| imagery::decode(record, id, cells);
+    for record in records(bytes, imagery::MAGIC, 0, &[texels; 6]) {
+        if let Ok(texture) = decode(&record) {
+            same_again(texture, |texture| imagery::encode(texture, id, cells), |record| decode(record).ok());
+        }
+    }
+}

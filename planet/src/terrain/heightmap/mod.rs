@@ -1,0 +1,154 @@
+//! Heightfield files as elevation, over the whole planet, at a placed rectangle, or where the file says. In: a file's
+//! bytes and a placement. Out: for each direction a height and the weight with which it replaces the ground.
+//!
+//! Between samples: Catmull-Rom (1974), clamped to the range of heights.
+
+mod cover;
+mod place;
+
+use crate::heightfield::import::{self, Imported, Values};
+use crate::recipe::{self, HeightScale, Recipe, RecipeError};
+use cover::Cover;
+use place::{Place, Spot};
+
+/// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
+fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
+    let t = ((v - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// Heights that a planet can have, in metres.
+const HEIGHTS_M: std::ops::RangeInclusive<f64> = -1e5..=1e5;
+
+/// A decoded heightmap.
+pub(crate) struct Heightmap {
+    columns: usize,
+    rows: usize,
+    samples: Vec<f32>,
+    /// Where the file has no data, if anywhere.
+    cover: Option<Cover>,
+    scale: Scale,
+    place: Place,
+    /// Value and weight that the poles take on a map of the whole planet: means of the first and of the last row.
+    poles: [(f64, f64); 2],
+}
+
+/// From samples to metres: `low_m + span_m * sample / full`.
+struct Scale {
+    full: f64,
+    low_m: f64,
+    span_m: f64,
+    /// What `sample / full` is clamped to between samples.
+    limits: [f64; 2],
+}
+
+impl Scale {
+    /// What the recipe says about heights must fit what the file says, or the words for what was found and expected.
+    fn new(image: &Imported, wanted: &HeightScale) -> Result<Scale, (String, &'static str)> {
+        let name = image.format.name();
+        let scale = match (image.values, wanted) {
+            (Values::Levels { full }, HeightScale::Range([low, high])) => {
+                Scale { full, low_m: *low, span_m: high - low, limits: [0.0, 1.0] }
+            }
+            (Values::Metres, HeightScale::Metres { scale, offset_m }) => {
+                Scale { full: 1.0, low_m: *offset_m, span_m: *scale, limits: image.range.map(f64::from) }
+            }
+            (Values::Levels { full }, HeightScale::Metres { .. }) => {
+                return Err((
+                    format!("{name} of levels from 0 to {full}"),
+                    "`range_m`: the heights of the lowest and highest level",
+                ));
+            }
+            (Values::Metres, HeightScale::Range(_)) => {
+                return Err((format!("`range_m` for a {name} in metres"), "`scale` and `offset_m`, or neither"));
+            }
+        };
+        let (low, high) = scale.range();
+        if HEIGHTS_M.contains(&low) && HEIGHTS_M.contains(&high) {
+            Ok(scale)
+        } else {
+            Err((format!("heights from {low} to {high} m"), "heights from -100000 to 100000 m; `scale` can shrink them"))
+        }
+    }
+
+    fn range(&self) -> (f64, f64) {
+        (self.low_m + self.span_m * self.limits[0], self.low_m + self.span_m * self.limits[1])
+    }
+}
+
+impl Heightmap {
+    pub(crate) fn new(recipe: &Recipe, map: &recipe::Heightmap) -> Result<Self, RecipeError> {
+        let fault = |found: String, expected: &str| recipe.heightmap_error(map, found, expected);
+        let asset = recipe.assets.iter().find(|a| a.name == map.file);
+        let asset = asset.ok_or_else(|| fault("no such asset".into(), "its bytes among the assets"))?;
+        let image = import::read(&asset.bytes, &asset.name)
+            .map_err(|e| fault(e.found.into(), &format!("{}; {}", e.expected, e.fault.advice())))?;
+        let scale = Scale::new(&image, &map.heights).map_err(|(found, expected)| fault(found, expected))?;
+        let place = Place::new(&image, &map.placement, recipe.radius).map_err(|(found, expected)| fault(found, &expected))?;
+        let cover = Cover::new(&image.field);
+        let (columns, rows, mut field) = (image.field.columns(), image.field.rows(), image.field);
+        field.fill_gaps();
+        let mut map = Self { columns, rows, samples: field.into_heights(), cover, scale, place, poles: [(0.0, 1.0); 2] };
+        map.poles = [0, rows - 1].map(|row| map.row_mean(row));
+        Ok(map)
+    }
+
+    /// Height in metres and weight (0 to 1) at a unit direction.
+    pub(crate) fn at(&self, d: [f64; 3]) -> (f64, f64) {
+        let Some(spot) = self.place.locate(d) else { return (0.0, 0.0) };
+        let (value, weight) = self.value(&spot);
+        (self.scale.low_m + self.scale.span_m * value, weight)
+    }
+
+    /// Lowest and highest height in metres.
+    pub(crate) fn range(&self) -> (f64, f64) {
+        self.scale.range()
+    }
+
+    fn value(&self, spot: &Spot) -> (f64, f64) {
+        let wraps = self.place.wraps();
+        let value = self.sample(spot.column, spot.row, wraps);
+        let cover = self.cover.as_ref().map_or(1.0, |cover| cover.at(spot.column, spot.row, wraps));
+        if !wraps {
+            return (value, spot.weight * cover);
+        }
+        // Beyond the outermost rows' centres all longitudes meet: go over to the row's mean.
+        let north = smoothstep([0.0, 0.5], -spot.row);
+        let south = smoothstep([0.0, 0.5], spot.row - (self.rows as f64 - 1.0));
+        let [(first, first_cover), (last, last_cover)] = self.poles;
+        let between = |here: f64, first: f64, last: f64| here + (first - here) * north + (last - here) * south;
+        (between(value, first, last), between(cover, first_cover, last_cover))
+    }
+
+    /// Mean value and weight of a row.
+    fn row_mean(&self, row: usize) -> (f64, f64) {
+        let samples = &self.samples[row * self.columns..][..self.columns];
+        let value = samples.iter().map(|&s| f64::from(s)).sum::<f64>() / (self.scale.full * self.columns as f64);
+        (value, self.cover.as_ref().map_or(1.0, |cover| cover.row_mean(row)))
+    }
+
+    fn pixel(&self, column: i64, row: i64, wraps: bool) -> f64 {
+        let (columns, rows) = (self.columns as i64, self.rows as i64);
+        let column = if wraps { column.rem_euclid(columns) } else { column.clamp(0, columns - 1) };
+        let index = row.clamp(0, rows - 1) * columns + column;
+        f64::from(self.samples[index as usize]) * (1.0 / self.scale.full)
+    }
+
+    fn sample(&self, column: f64, row: f64, wraps: bool) -> f64 {
+        let (c, r) = (column.floor(), row.floor());
+        let (across, down) = (weights(column - c), weights(row - r));
+        let mut sum = 0.0;
+        for (j, wj) in down.iter().enumerate() {
+            for (i, wi) in across.iter().enumerate() {
+                sum += wi * wj * self.pixel(c as i64 + i as i64 - 1, r as i64 + j as i64 - 1, wraps);
+            }
+        }
+        sum.clamp(self.scale.limits[0], self.scale.limits[1])
+    }
+}
+
+/// Catmull-Rom weights of the four pixels about a fraction.
+fn weights(t: f64) -> [f64; 4] {
+    let (t2, t3) = (t * t, t * t * t);
+    [0.5 * (2.0 * t2 - t - t3), 0.5 * (3.0 * t3 - 5.0 * t2 + 2.0), 0.5 * (t + 4.0 * t2 - 3.0 * t3), 0.5 * (t3 - t2)]
+}

@@ -1,0 +1,235 @@
+//! Where a heightmap lies: which of its samples a direction falls on, and how much it counts there.
+//!
+//! In: unit directions. Out: column and row as fractions, and a weight that falls to 0 at the edge.
+
+use super::smoothstep;
+use crate::heightfield::import::{GeographicGrid, Imported};
+use crate::recipe::Placement;
+use crate::terrain::angles::{atan2, sin_cos};
+use std::f64::consts::PI;
+
+/// Share of a map's side over which it blends with the ground unless the recipe says otherwise.
+const BLEND_SHARE: f64 = 0.1;
+
+/// Largest extent of a map that lies where its file says, in degrees of latitude and of longitude.
+const WIDEST_GRID_DEG: f64 = 90.0;
+
+/// Its farthest latitude: nearer to the poles, columns of the same file lie too close together to blend evenly.
+const FARTHEST_LATITUDE_DEG: f64 = 85.0;
+
+/// Room in a grid's reach for rounding, in degrees.
+const REACH_ROOM_DEG: f64 = 1e-6;
+
+/// A place on a map.
+pub(super) struct Spot {
+    pub(super) column: f64,
+    pub(super) row: f64,
+    pub(super) weight: f64,
+}
+
+/// Where a map lies.
+pub(super) enum Place {
+    Planet { columns: f64, rows: f64 },
+    Rectangle(Rectangle),
+    Grid(Grid),
+}
+
+/// What was found and what was expected.
+type Fault = (String, String);
+
+impl Place {
+    pub(super) fn new(image: &Imported, placement: &Placement, radius: f64) -> Result<Place, Fault> {
+        match *placement {
+            Placement::Planet => Place::planet(image),
+            Placement::File { blend_m } => Grid::new(image, blend_m, radius).map(Place::Grid),
+            Placement::Local { latitude_deg, longitude_deg, width_m, heading_deg, blend_m } => {
+                let frame = frame(latitude_deg, longitude_deg, heading_deg);
+                Rectangle::new(image, frame, width_m, blend_m, radius).map(Place::Rectangle)
+            }
+        }
+    }
+
+    fn planet(image: &Imported) -> Result<Place, Fault> {
+        let (columns, rows) = (image.field.columns(), image.field.rows());
+        if columns != 2 * rows {
+            let elsewhere = if image.place.is_some() { ", or `placement = \"file\"` to put it where the file says" } else { "" };
+            let found = format!("{columns} x {rows} samples");
+            return Err((found, format!("a whole-planet map twice as wide as high{elsewhere}")));
+        }
+        Ok(Place::Planet { columns: columns as f64, rows: rows as f64 })
+    }
+
+    /// Whether the last column's neighbour is the first.
+    pub(super) fn wraps(&self) -> bool {
+        matches!(self, Place::Planet { .. })
+    }
+
+    /// The place on the map, if the direction falls on it.
+    pub(super) fn locate(&self, d: [f64; 3]) -> Option<Spot> {
+        match self {
+            Place::Planet { columns, rows } => {
+                let longitude = atan2(d[1], d[0]);
+                let latitude = atan2(d[2], (d[0] * d[0] + d[1] * d[1]).sqrt());
+                let column = (longitude / (2.0 * PI) + 0.5) * columns - 0.5;
+                Some(Spot { column, row: (0.5 - latitude / PI) * rows - 0.5, weight: 1.0 })
+            }
+            Place::Rectangle(rectangle) => rectangle.locate(d),
+            Place::Grid(grid) => grid.locate(d),
+        }
+    }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// Centre, right and up of a map placed on the sphere.
+fn frame(latitude_deg: f64, longitude_deg: f64, heading_deg: f64) -> [[f64; 3]; 3] {
+    let (sin_lat, cos_lat) = sin_cos(latitude_deg);
+    let (sin_lon, cos_lon) = sin_cos(longitude_deg);
+    let (sin_head, cos_head) = sin_cos(heading_deg);
+    let east = [-sin_lon, cos_lon, 0.0];
+    let north = [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat];
+    let turn = |a: f64, b: f64| [0, 1, 2].map(|k| a * east[k] + b * north[k]);
+    [[cos_lat * cos_lon, cos_lat * sin_lon, sin_lat], turn(cos_head, -sin_head), turn(sin_head, cos_head)]
+}
+
+/// A rectangle in the gnomonic plane about its centre.
+pub(super) struct Rectangle {
+    frame: [[f64; 3]; 3],
+    size: [f64; 2],
+    half_m: [f64; 2],
+    blend_m: f64,
+    radius: f64,
+}
+
+impl Rectangle {
+    fn new(
+        image: &Imported,
+        frame: [[f64; 3]; 3],
+        width_m: Option<f64>,
+        blend_m: Option<f64>,
+        radius: f64,
+    ) -> Result<Self, Fault> {
+        let size = [image.field.columns() as f64, image.field.rows() as f64];
+        let own_width = image.spacing_m.map(|[across, _]| size[0] * across);
+        let unknown = || ("a file that does not state its spacing".to_owned(), "`width_m`".to_owned());
+        let width_m = width_m.or(own_width).ok_or_else(unknown)?;
+        if !(1.0..=radius).contains(&width_m) {
+            return Err((format!("a map {width_m:.0} m wide"), "1 m to the planet's radius; `width_m` can shrink it".into()));
+        }
+        // Without a spacing pixels are square.
+        let height_m = match image.spacing_m {
+            None => width_m * size[1] / size[0],
+            Some([across, along]) => width_m * (size[1] * along) / (size[0] * across),
+        };
+        let half_m = [0.5 * width_m, 0.5 * height_m];
+        let blend_m = blend_width(blend_m, BLEND_SHARE * width_m, half_m[0])?;
+        Ok(Self { frame, size, half_m, blend_m, radius })
+    }
+
+    fn locate(&self, d: [f64; 3]) -> Option<Spot> {
+        let [centre, right, up] = self.frame;
+        let ahead = dot(d, centre);
+        if ahead <= 0.1 {
+            return None;
+        }
+        let (u, v) = (dot(d, right) / ahead * self.radius, dot(d, up) / ahead * self.radius);
+        let inside = (self.half_m[0] - u.abs()).min(self.half_m[1] - v.abs());
+        if inside < 0.0 {
+            return None;
+        }
+        let column = (u / self.half_m[0] * 0.5 + 0.5) * self.size[0] - 0.5;
+        let row = (0.5 - v / self.half_m[1] * 0.5) * self.size[1] - 0.5;
+        Some(Spot { column, row, weight: fade(self.blend_m, inside) })
+    }
+}
+
+/// Weight at a distance from the edge.
+fn fade(blend_m: f64, inside: f64) -> f64 {
+    if blend_m > 0.0 {
+        smoothstep([0.0, blend_m], inside)
+    } else {
+        1.0
+    }
+}
+
+/// The width of the edge, which may not reach past the middle.
+fn blend_width(wanted: Option<f64>, default: f64, most: f64) -> Result<f64, Fault> {
+    match wanted {
+        Some(blend_m) if blend_m > most => Err((format!("`blend_m` of {blend_m}"), format!("at most half the map, {most:.0} m"))),
+        wanted => Ok(wanted.unwrap_or(default)),
+    }
+}
+
+/// Samples along parallels and meridians, where the file says.
+pub(super) struct Grid {
+    centre: [f64; 3],
+    /// Cosine of the angle from the centre within which all of it lies: a cheap first test.
+    cos_reach: f64,
+    middle_longitude: f64,
+    north: f64,
+    step: [f64; 2],
+    /// Columns and rows, less one.
+    last: [f64; 2],
+    /// Metres on the planet between samples at the equator and along meridians.
+    spacing_m: [f64; 2],
+    blend_m: f64,
+}
+
+impl Grid {
+    fn new(image: &Imported, blend_m: Option<f64>, radius: f64) -> Result<Grid, Fault> {
+        let unknown = || {
+            let expected = "a GeoTIFF in degrees on WGS 84 or an HGT tile such as N36W085.hgt; or place it by \
+                            `latitude_deg`, `longitude_deg` and `width_m`";
+            ("a file that does not state its place".to_owned(), expected.to_owned())
+        };
+        let place = image.place.ok_or_else(unknown)?;
+        let last = [image.field.columns() as f64 - 1.0, image.field.rows() as f64 - 1.0];
+        let (south, extent) = (place.south(image.field.rows()), [place.step_east * last[0], place.step_south * last[1]]);
+        let far = place.north.max(-south);
+        if extent[0].max(extent[1]) > WIDEST_GRID_DEG || far > FARTHEST_LATITUDE_DEG {
+            let found =
+                format!("{:.3} x {:.3} degrees between latitudes {south:.3} and {:.3}", extent[0], extent[1], place.north);
+            let expected = "at most 90 degrees a side, within 85 degrees of the equator; leave out `placement` for a map of \
+                            the whole planet";
+            return Err((found, expected.to_owned()));
+        }
+        Ok(Grid::at(place, south, extent, last, radius)).and_then(|grid| grid.blended(blend_m, far))
+    }
+
+    fn at(place: GeographicGrid, south: f64, extent: [f64; 2], last: [f64; 2], radius: f64) -> Grid {
+        let middle = place.west + 0.5 * extent[0];
+        let middle_longitude = middle - 360.0 * ((middle + 180.0) / 360.0).floor();
+        let [centre, ..] = frame(0.5 * (place.north + south), middle_longitude, 0.0);
+        // No point is farther than half the way along a meridian and then along a parallel.
+        let reach = 0.5 * (extent[0] + extent[1]) + REACH_ROOM_DEG;
+        let spacing_m = [place.step_east, place.step_south].map(|step| step * (PI / 180.0) * radius);
+        let step = [place.step_east, place.step_south];
+        Grid { centre, cos_reach: sin_cos(reach).1, middle_longitude, north: place.north, step, last, spacing_m, blend_m: 0.0 }
+    }
+
+    fn blended(self, blend_m: Option<f64>, far: f64) -> Result<Grid, Fault> {
+        let width = self.last[0] * self.spacing_m[0] * sin_cos(far).1;
+        let smaller = width.min(self.last[1] * self.spacing_m[1]);
+        Ok(Grid { blend_m: blend_width(blend_m, BLEND_SHARE * smaller, 0.5 * smaller)?, ..self })
+    }
+
+    fn locate(&self, d: [f64; 3]) -> Option<Spot> {
+        if dot(d, self.centre) < self.cos_reach {
+            return None;
+        }
+        let horizontal = (d[0] * d[0] + d[1] * d[1]).sqrt();
+        let latitude = atan2(d[2], horizontal) * (180.0 / PI);
+        let beside = atan2(d[1], d[0]) * (180.0 / PI) - self.middle_longitude;
+        let beside = beside - 360.0 * ((beside + 180.0) / 360.0).floor();
+        let (column, row) = (beside / self.step[0] + 0.5 * self.last[0], (self.north - latitude) / self.step[1]);
+        let inside = [column.min(self.last[0] - column), row.min(self.last[1] - row)];
+        if inside[0] < 0.0 || inside[1] < 0.0 {
+            return None;
+        }
+        let across = fade(self.blend_m, inside[0] * self.spacing_m[0] * horizontal);
+        let weight = across * fade(self.blend_m, inside[1] * self.spacing_m[1]);
+        Some(Spot { column, row, weight })
+    }
+}
