@@ -20,6 +20,7 @@ const LOOKS_BACK: usize = 8;
 pub struct Levels<'a> {
     field: &'a Heightfield,
     sequence: Sequence,
+    polish: bool,
 }
 
 /// Where surfaces come from. Collapses alone take a tenth of the memory of a progressive mesh.
@@ -46,12 +47,18 @@ impl<'a> Levels<'a> {
             Cost::Certified => Sequence::Collapses(plain::simplify(field)?),
             Cost::Quadric | Cost::Spring => Sequence::Mesh { mesh: Box::new(progressive_mesh(field, cost, progress)?), at: 0 },
         };
-        Ok(Levels { field, sequence })
+        Ok(Levels { field, sequence, polish: false })
+    }
+
+    /// The same, with certified surfaces polished: vertices still stand on samples, but need not have their heights.
+    pub fn with_polish(self) -> Self {
+        Levels { polish: true, ..self }
     }
 
     /// The finest surface of at most so many faces; the coarsest, for fewer than that has.
     pub fn of_faces(&mut self, faces: usize) -> Level {
         let surface = match &mut self.sequence {
+            Sequence::Collapses(collapses) if self.polish => collapses.polished(self.field, faces),
             Sequence::Collapses(collapses) => collapses.surface(self.field, collapses.collapses_to(faces)),
             Sequence::Mesh { mesh, at } => {
                 let before = mesh.mesh().living_vertices().count();
@@ -66,6 +73,9 @@ impl<'a> Levels<'a> {
     /// A coarsest surface whose largest measured error is at most `error`: with one vertex less it is larger. Errors need not fall
     /// evenly, so somewhat coarser surfaces are tried too, and the coarsest that is found is taken.
     pub fn of_error(&mut self, error: f64) -> Level {
+        if let (Sequence::Collapses(collapses), true) = (&self.sequence, self.polish) {
+            return self.measured(collapses.polished_within(self.field, error));
+        }
         let (open, holds, level) = match self.promised(error) {
             Some(promised) => self.coarsen_from(promised, error),
             None => self.refine_to(error),
@@ -193,6 +203,16 @@ mod tests {
             assert!(levels.of_error(0.0).deviation.max == 0.0);
             assert_eq!(levels.of_error(1e9).surface.faces.len(), 2, "{}", cost.name());
         }
+    }
+
+    #[test]
+    fn polish_is_forgotten_or_exceeds_what_was_asked_for() {
+        let field = hills();
+        let mut plain = Levels::new(&field, Cost::Certified, &mut |_| ()).unwrap();
+        let mut polished = Levels::new(&field, Cost::Certified, &mut |_| ()).unwrap().with_polish();
+        assert!(polished.of_faces(500).deviation.max < 0.9 * plain.of_faces(500).deviation.max);
+        let level = polished.of_error(1.0);
+        assert!(level.deviation.max <= 1.0 && level.surface.faces.len() < plain.of_error(1.0).surface.faces.len());
     }
 
     #[test]

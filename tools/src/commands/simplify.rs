@@ -48,6 +48,10 @@ pub(crate) struct Simplify {
     /// sample, certified a tenth of the time and a quarter of the memory.
     #[arg(long, value_enum, default_value = "certified")]
     cost: CostOption,
+    /// Keep vertices at the heights of their samples. Without this, certified surfaces are polished: heights are fitted and edges
+    /// flipped, which lowers the largest error by a quarter to a third at the same number of triangles.
+    #[arg(long)]
+    keep_samples: bool,
     /// Metres between samples [default: what the file says, else 1].
     #[arg(long, value_name = "M")]
     spacing: Option<f64>,
@@ -81,6 +85,9 @@ impl Run for Simplify {
         }
         let begun = Instant::now();
         let mut levels = simplified(&image.field, self.cost.cost())?;
+        if !self.keep_samples {
+            levels = levels.with_polish();
+        }
         let seconds = begun.elapsed().as_secs_f64();
         let mut rows = Vec::new();
         for &goal in &goals {
@@ -195,7 +202,8 @@ impl Simplify {
         json!({
             "heightfield": self.file, "format": image.format.name(), "columns": image.field.columns(), "rows": image.field.rows(),
             "range": image.range, "bounds_deg": bounds, "spacing_m": [scale.x, scale.y], "height_scale_m": scale.z,
-            "filled": filled, "cost": self.cost.cost().name(), "simplify_seconds": seconds, "levels": levels,
+            "filled": filled, "cost": self.cost.cost().name(),
+            "polished": !self.keep_samples && self.cost.cost() == Cost::Certified, "simplify_seconds": seconds, "levels": levels,
         })
     }
 }
