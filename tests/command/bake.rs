@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 use terrane_planet::patch::PatchId;
-use terrane_planet::store::PlanetFile;
+use terrane_planet::store::{PlanetFile, FORMAT_VERSION};
 
 fn recipe() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../planet/recipes/tiny.toml")
@@ -108,7 +108,7 @@ fn info_describes_the_file() {
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let output = run(terrane(&["info", "--json", &out.to_string_lossy()]));
     let info = json(&output);
-    assert_eq!((&info["name"], &info["cells"], &info["format_version"]), (&"Tiny".into(), &8.into(), &1.into()));
+    assert_eq!((&info["name"], &info["cells"], &info["format_version"]), (&"Tiny".into(), &8.into(), &FORMAT_VERSION.into()));
     assert_eq!(info["levels"][1]["patches"], 24);
     assert_eq!(info["levels"].as_array().unwrap().len(), 4);
     assert_eq!(info["regions"][0]["to_level"], 3);

@@ -1,5 +1,7 @@
 //! What the tests that run the command share.
 
+#![allow(dead_code, reason = "every test program uses its own part")]
+
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use terrane::vulkan::{Context, ContextOptions};

@@ -38,13 +38,13 @@ pub struct Level {
 }
 
 impl<'a> Levels<'a> {
-    /// Simplifies a heightfield down to its corners. `progress` is told the collapses done by the costs that can.
+    /// Simplifies a heightfield down to its corners. `progress` is told the collapses done.
     ///
     /// # Errors
     /// If samples have no finite height, or [`Cost::Certified`] finds the field too large.
     pub fn new(field: &'a Heightfield, cost: Cost, progress: &mut dyn FnMut(usize)) -> Result<Levels<'a>, ClassicError> {
         let sequence = match cost {
-            Cost::Certified => Sequence::Collapses(plain::simplify(field)?),
+            Cost::Certified => Sequence::Collapses(plain::simplify_with(field, progress)?),
             Cost::Quadric | Cost::Spring => Sequence::Mesh { mesh: Box::new(progressive_mesh(field, cost, progress)?), at: 0 },
         };
         Ok(Levels { field, sequence, polish: false })

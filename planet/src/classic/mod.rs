@@ -68,7 +68,7 @@ pub fn progressive_mesh(
     let (mesh, outline) = (FaceMesh::from_heightfield(field), Outline::of(field));
     Ok(match cost {
         Cost::Certified => {
-            let collapses = plain::simplify(field)?;
+            let collapses = plain::simplify_with(field, progress)?;
             ProgressiveMesh::from_half_edge_collapses(field, &collapses.order, &collapses.parent)?
         }
         Cost::Quadric => {

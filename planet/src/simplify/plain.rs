@@ -17,6 +17,9 @@ const EVENNESS: f64 = 1e-6;
 /// Samples along the side of the tiles that the queue keeps together; all about one fits a second-level cache.
 const TILE: usize = 64;
 
+/// Collapses between two reports of progress.
+const PROGRESS_EVERY: usize = 1 << 14;
+
 /// Why a heightfield cannot be simplified.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum PlainError {
@@ -87,8 +90,16 @@ struct Simplifier {
 /// Simplifies a heightfield down to its corners.
 ///
 /// # Errors
-/// For samples without data, and for more than [`MOST_SAMPLES_A_SIDE`] samples a side.
+/// As [`simplify_with`].
 pub fn simplify(field: &Heightfield) -> Result<HalfEdgeCollapses, PlainError> {
+    simplify_with(field, &mut |_| ())
+}
+
+/// Simplifies a heightfield down to its corners. `progress` is told now and then how many vertices have collapsed.
+///
+/// # Errors
+/// For samples without data, and for more than [`MOST_SAMPLES_A_SIDE`] samples a side.
+pub fn simplify_with(field: &Heightfield, progress: &mut dyn FnMut(usize)) -> Result<HalfEdgeCollapses, PlainError> {
     let (columns, rows) = (field.columns(), field.rows());
     if columns.max(rows) > MOST_SAMPLES_A_SIDE {
         return Err(PlainError::TooLarge { columns, rows });
@@ -97,7 +108,7 @@ pub fn simplify(field: &Heightfield) -> Result<HalfEdgeCollapses, PlainError> {
         return Err(PlainError::NoData { column: sample % columns, row: sample / columns });
     }
     let mut simplifier = Simplifier::new(field);
-    simplifier.run();
+    simplifier.run(progress);
     Ok(simplifier.result)
 }
 
@@ -137,12 +148,18 @@ impl Simplifier {
         }
     }
 
-    fn run(&mut self) {
+    fn run(&mut self, progress: &mut dyn FnMut(usize)) {
         (0..self.entries.len() as u32).for_each(|v| self.enqueue(v));
+        let mut told = 0;
         while let Some(v) = self.queue.pop() {
             self.entries[v as usize].queued = false;
             if self.decimator.is_alive(v) {
                 self.visit(v);
+            }
+            let done = self.result.order.len();
+            if done >= told + PROGRESS_EVERY {
+                progress(done);
+                told = done;
             }
         }
         // The queue goes tile by tile; what depends on each other already stands in order.
