@@ -3,7 +3,6 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 #[path = "../common/mod.rs"]
-#[allow(dead_code, reason = "no device is needed here")]
 mod common;
 
 use common::{terrane, text};
