@@ -43,7 +43,7 @@ impl Perturbation {
     }
 
     fn is_resident(self, id: PatchId, k: usize) -> bool {
-        self != Perturbation::Missing || id.level == 0 || dice(id, k) % 5 != 0
+        self != Perturbation::Missing || id.level == 0 || !dice(id, k).is_multiple_of(5)
     }
 
     fn cut(self, tree: &PatchTree, view: &View, k: usize) -> Cut {
