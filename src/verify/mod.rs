@@ -40,14 +40,27 @@ pub struct Verifier {
     grids: GridCache,
 }
 
-/// Random views over a planet: places and heights from [`RandomViews`], `tolerances` in turn (at least one).
+/// Picture size with which coarse tolerances are certified too.
+const LARGE_PICTURE: [u32; 2] = [3840, 2160];
+
+/// Random views over a planet: places and heights from [`RandomViews`], `tolerances` in turn (at least one). Every other view whose
+/// tolerance is too coarse to be certified gets a picture so large that it may be.
 pub fn random_views(scene: &Scene, seed: u64, count: usize, tolerances: &[f64]) -> Vec<View> {
     let planet = scene.planet();
     let height = |place: DVec3| planet.terrain.height(place);
     let cameras = RandomViews::new(scene.tree(), seed, &height).take(count);
-    // Places take turns in fours: a shift every round brings every tolerance to every kind of place.
-    let tolerance = |k: usize| tolerances[(k + k / 4) % tolerances.len()];
-    let view = |(k, camera): (usize, Camera)| View::new(camera, &planet.lattice, planet.cells, tolerance(k));
+    let view = |(k, camera): (usize, Camera)| {
+        // Places take turns in fours: a shift every round brings every tolerance to every kind of place.
+        let tolerance = tolerances[(k + k / 4) % tolerances.len()];
+        let of = |camera| View::new(camera, &planet.lattice, planet.cells, tolerance);
+        let view = of(camera);
+        let enlarge = view.scale < 1.0 && (k / 16) % 2 == 1;
+        if enlarge {
+            of(Camera { size: LARGE_PICTURE, ..camera })
+        } else {
+            view
+        }
+    };
     cameras.enumerate().map(view).collect()
 }
 
