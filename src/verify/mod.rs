@@ -5,9 +5,11 @@
 //! second time, so that nothing that the GPU was given is taken on trust.
 
 mod report;
+pub mod screen;
 mod twins;
 
 pub use report::{MeshFaults, Mismatches, VerifyReport, ViewReport};
+pub use screen::{Perturbation, ScreenErrors, ScreenReport};
 
 use crate::frame::Look;
 use crate::headless::{FrameReport, Headless, Selection};
@@ -20,11 +22,11 @@ use terrane_planet::layout::Mode;
 use terrane_planet::patch::PatchId;
 use terrane_planet::reference::cut::at_data_rim;
 use terrane_planet::store::{PlanetFile, StoreError};
-use terrane_planet::verify::{LoadedPatch, RandomViews, SurfaceCheck};
+use terrane_planet::verify::{GridCache, LoadedPatch, RandomViews, SurfaceCheck};
 use terrane_planet::view::{Camera, View};
 use twins::{differing_triangles, triangles_by_patch, KnownPatch, Twin};
 
-/// Tolerances in pixels that random views take in turn.
+/// Tolerances in pixels that random views take in turn, if none are asked for.
 pub const TOLERANCES: [f64; 4] = [1.0, 0.5, 2.0, 4.0];
 
 /// The light does not matter here.
@@ -35,16 +37,30 @@ pub struct Verifier {
     file: PlanetFile,
     lattice: Lattice,
     patches: HashMap<PatchId, KnownPatch>,
+    grids: GridCache,
 }
 
-/// Random views over a planet: places and heights from [`RandomViews`], tolerances from [`TOLERANCES`].
-pub fn random_views(scene: &Scene, seed: u64, count: usize) -> Vec<View> {
+/// Picture size with which coarse tolerances are certified too.
+const LARGE_PICTURE: [u32; 2] = [3840, 2160];
+
+/// Random views over a planet: places and heights from [`RandomViews`], `tolerances` in turn (at least one). Every other view whose
+/// tolerance is too coarse to be certified gets a picture so large that it may be.
+pub fn random_views(scene: &Scene, seed: u64, count: usize, tolerances: &[f64]) -> Vec<View> {
     let planet = scene.planet();
     let height = |place: DVec3| planet.terrain.height(place);
     let cameras = RandomViews::new(scene.tree(), seed, &height).take(count);
-    // Places take turns in fours too: a shift every round brings every tolerance to every kind of place.
-    let tolerance = |k: usize| TOLERANCES[(k + k / 4) % 4];
-    let view = |(k, camera): (usize, Camera)| View::new(camera, &planet.lattice, planet.cells, tolerance(k));
+    let view = |(k, camera): (usize, Camera)| {
+        // Places take turns in fours: a shift every round brings every tolerance to every kind of place.
+        let tolerance = tolerances[(k + k / 4) % tolerances.len()];
+        let of = |camera| View::new(camera, &planet.lattice, planet.cells, tolerance);
+        let view = of(camera);
+        let enlarge = view.scale < 1.0 && (k / 16) % 2 == 1;
+        if enlarge {
+            of(Camera { size: LARGE_PICTURE, ..camera })
+        } else {
+            view
+        }
+    };
     cameras.enumerate().map(view).collect()
 }
 
@@ -54,7 +70,9 @@ impl Verifier {
     /// # Errors
     /// If the file cannot be read.
     pub fn new(path: &Path, scene: &Scene) -> Result<Verifier, SceneError> {
-        Ok(Verifier { file: PlanetFile::open(path)?, lattice: *scene.lattice(), patches: HashMap::new() })
+        let (file, finest) = (PlanetFile::open(path)?, PlanetFile::open(path)?);
+        let grids = GridCache::new(scene.tree(), Box::new(move |id| finest.mesh(id)));
+        Ok(Verifier { file, lattice: *scene.lattice(), patches: HashMap::new(), grids })
     }
 
     /// Draws the whole planet in one view twice, without culling for its surface and with it for what it leaves, and checks both.

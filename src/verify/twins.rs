@@ -52,6 +52,11 @@ impl<'a> Twin<'a> {
         emit(view, self.vertices, self.known.loaded.triangles(self.level), &self.resolved)
     }
 
+    /// Awake bits of the prefix that was selected.
+    pub(super) fn awake(&self) -> &[u32] {
+        &self.awake
+    }
+
     pub(super) fn awake_count(&self) -> usize {
         self.awake.iter().map(|word| word.count_ones() as usize).sum()
     }

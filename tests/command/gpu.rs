@@ -56,8 +56,9 @@ fn bake_tiny(path: &Path, other: Option<(&Planet, PatchId)>) {
     assert_eq!(summary.skipped, usize::from(other.is_some()));
 }
 
+/// Without rays between samples, where the builder does not certify.
 fn verify(path: &Path) -> (Output, Value) {
-    let output = terrane(&["verify", "--views", "8", "--validate", "--json"]).arg(path).output().unwrap();
+    let output = terrane(&["verify", "--views", "8", "--rays", "0", "--validate", "--json"]).arg(path).output().unwrap();
     let found = serde_json::from_slice(&output.stdout);
     let json = found.unwrap_or_else(|e| panic!("{e}: {} {}", text(&output.stdout), text(&output.stderr)));
     (output, json)
@@ -78,6 +79,11 @@ fn a_sound_planet_is_verified() {
     }
     assert_eq!(json["views"], 8);
     assert!(json["triangles"].as_u64().unwrap() > 1000, "{json}");
+    let (error, tolerance) = (&json["screen_error_px"], json["tolerance_px"].as_f64().unwrap());
+    assert!((0.2 * tolerance..=tolerance).contains(&error["max"].as_f64().unwrap()), "{json}");
+    assert!(error["p50"].as_f64() <= error["p99"].as_f64() && error["p99"].as_f64() <= error["p999"].as_f64(), "{json}");
+    assert_eq!(json["screen_errors"].as_array().unwrap().len(), 4, "{json}");
+    assert!(text(&output.stderr).contains("largest error at 0.5 px"), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("8/8 views"), "no progress: {}", text(&output.stderr));
 }
 

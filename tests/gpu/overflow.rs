@@ -2,7 +2,7 @@
 
 use crate::harness::{device, Bench};
 use terrane::frame::Look;
-use terrane::verify::random_views;
+use terrane::verify::{random_views, TOLERANCES};
 use terrane::vulkan::{download, Commands};
 use terrane_planet::layout::Mode;
 
@@ -15,7 +15,7 @@ const UNTOUCHED: u32 = u32::MAX;
 fn triangles_past_the_capacity_are_counted_and_not_written() {
     let Some(context) = device() else { return };
     let mut bench = Bench::new(&context);
-    let view = random_views(&bench.scene, 3, 1)[0];
+    let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     let cut = bench.scene.settle(&view).unwrap();
     let look = Look { mode: Mode::Levels, sun: view.eye.normalize(), exposure: 1.0 };
     let whole = bench.headless.render(&bench.scene, &view, &cut, &look).unwrap().counters;

@@ -2,7 +2,7 @@
 
 use crate::harness::{device, Bench};
 use std::process::Command;
-use terrane::verify::{random_views, Mismatches, VerifyReport};
+use terrane::verify::{random_views, Mismatches, VerifyReport, TOLERANCES};
 use terrane_planet::patch::PatchId;
 use terrane_planet::reference::select::is_awake;
 use terrane_planet::view::View;
@@ -17,7 +17,7 @@ fn gpu_stages_equal_their_twins() {
     println!("subgroups of {} on {}", context.device_info().subgroup_size, context.device_info().driver);
     let mut bench = Bench::new(&context);
     let (mut all, mut mixed) = (VerifyReport::default(), 0);
-    for (k, view) in random_views(&bench.scene, 3, VIEWS).iter().enumerate() {
+    for (k, view) in random_views(&bench.scene, 3, VIEWS, &TOLERANCES).iter().enumerate() {
         let report = bench.verifier.check(&mut bench.scene, &mut bench.headless, view).unwrap();
         assert_eq!((report.mismatches, report.cracks), (Mismatches::default(), 0), "view {k}: {:?}", view.camera);
         assert!(report.triangles > 100 && report.awake_vertices > 50, "view {k} proves nothing: {report:?}");
@@ -68,7 +68,7 @@ fn awake_vertex(bench: &mut Bench, view: &View) -> (PatchId, usize) {
 fn one_wake_that_differs_on_the_cpu_is_noticed() {
     let Some(context) = device() else { return };
     let mut bench = Bench::new(&context);
-    let view = random_views(&bench.scene, 3, 1)[0];
+    let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     let (id, k) = awake_vertex(&mut bench, &view);
     let vertex = &mut bench.verifier.patch_mut(id).unwrap().vertices[k];
     vertex.grid_own &= 0xffff;
@@ -82,7 +82,7 @@ fn one_wake_that_differs_on_the_cpu_is_noticed() {
 fn a_mesh_that_differs_in_sight_is_noticed_after_culling() {
     let Some(context) = device() else { return };
     let mut bench = Bench::new(&context);
-    let view = random_views(&bench.scene, 3, 1)[0];
+    let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     for leaf in bench.scene.settle(&view).unwrap().leaves {
         let vertices = &mut bench.verifier.patch_mut(leaf.id).unwrap().vertices;
         for vertex in vertices.iter_mut().filter(|v| v.grid_own >> 16 != u32::from(Wake::ALWAYS.code())) {
@@ -97,7 +97,7 @@ fn a_mesh_that_differs_in_sight_is_noticed_after_culling() {
 fn a_border_vertex_that_is_elsewhere_on_one_side_is_a_crack() {
     let Some(context) = device() else { return };
     let mut bench = Bench::new(&context);
-    let view = random_views(&bench.scene, 3, 1)[0];
+    let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     let id = bench.scene.settle(&view).unwrap().leaves[0].id;
     let corner = bench.verifier.patch_mut(id).unwrap().vertices.iter_mut().find(|v| v.grid() == 0).unwrap();
     corner.position[0] += 1;

@@ -60,16 +60,34 @@ fn outside_by(view: &View, low: DVec3, high: DVec3) -> f64 {
 
 /// Computes the cut. `resident` says which patches can be drawn; the six roots must be.
 pub fn cut(tree: &PatchTree, view: &View, resident: &dyn Fn(PatchId) -> bool) -> Cut {
-    let mut search = Search { tree, view, resident, split: HashSet::new(), refused: HashSet::new(), wanted: Vec::new() };
+    cut_by(tree, &|id, node| urgency(tree, view, id.level, node), resident)
+}
+
+/// The finest surface that the resident patches can be drawn as: every patch splits that can.
+pub fn finest_cut(tree: &PatchTree, resident: &dyn Fn(PatchId) -> bool) -> Cut {
+    cut_by(tree, &|_, _| 0.0, resident)
+}
+
+/// The cut in which the patches split whose urgency is below 1.
+pub fn cut_by(tree: &PatchTree, urgency: &dyn Fn(PatchId, &PatchNode) -> f64, resident: &dyn Fn(PatchId) -> bool) -> Cut {
+    let mut search = Search { tree, urgency, resident, split: HashSet::new(), refused: HashSet::new(), wanted: Vec::new() };
     PatchId::roots().for_each(|root| search.refine(root));
     let mut result = Cut { leaves: Vec::new(), wanted: search.wanted };
     PatchId::roots().for_each(|root| collect(root, &search.split, &mut result.leaves));
     result
 }
 
+/// Distance over split distance: below 1 a patch of a level splits, for its geometry's or for its texture's sake.
+pub fn urgency(tree: &PatchTree, view: &View, level: u8, node: &PatchNode) -> f64 {
+    let (nearest, outside) = nearest_and_outside(view, &node.bounds);
+    let geometry = (nearest + view.falloff * outside) / (view.scale * node.split_wake);
+    let texture = (nearest + TEXTURE_FALLOFF * outside) / texture_distance(tree, view, level);
+    geometry.min(texture)
+}
+
 struct Search<'a> {
     tree: &'a PatchTree,
-    view: &'a View,
+    urgency: &'a dyn Fn(PatchId, &PatchNode) -> f64,
     resident: &'a dyn Fn(PatchId) -> bool,
     split: HashSet<PatchId>,
     refused: HashSet<PatchId>,
@@ -79,18 +97,10 @@ struct Search<'a> {
 impl Search<'_> {
     fn refine(&mut self, id: PatchId) {
         let Some(node) = self.tree.get(id).filter(|n| n.has_children) else { return };
-        let urgency = self.urgency(id.level, node);
+        let urgency = (self.urgency)(id, node);
         if urgency < 1.0 && self.ensure_split(id, urgency) {
             id.children().into_iter().flatten().for_each(|child| self.refine(child));
         }
-    }
-
-    /// Distance over split distance: below 1 the patch splits, for its geometry's or for its texture's sake.
-    fn urgency(&self, level: u8, node: &PatchNode) -> f64 {
-        let (nearest, outside) = nearest_and_outside(self.view, &node.bounds);
-        let geometry = (nearest + self.view.falloff * outside) / (self.view.scale * node.split_wake);
-        let texture = (nearest + TEXTURE_FALLOFF * outside) / texture_distance(self.tree, self.view, level);
-        geometry.min(texture)
     }
 
     /// Splits a patch and whatever coarser neighbours balance asks for; false if some children are not resident.
@@ -133,11 +143,13 @@ fn collect(id: PatchId, split: &HashSet<PatchId>, leaves: &mut Vec<Leaf>) {
 /// Whether a drawn patch lies at the rim of the stored data: next to a coarser patch that has no children to split into. There
 /// the error is that coarser patch's own, and closure breaks, because vertices that only the finer side has must sleep.
 pub fn at_data_rim(tree: &PatchTree, leaf: &Leaf) -> bool {
-    let without_children = |side: &Side| {
-        let coarser = leaf.coarser_sides & side.bit() != 0;
-        coarser && leaf.id.neighbour(*side).parent().and_then(|p| tree.get(p)).is_none_or(|node| !node.has_children)
-    };
-    Side::ALL.iter().any(without_children)
+    beside_coarser(leaf, &|coarser| tree.get(coarser).is_none_or(|node| !node.has_children))
+}
+
+/// Whether a drawn patch lies beside a coarser one for which a condition holds.
+pub fn beside_coarser(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> bool {
+    let drawn_coarser = Side::ALL.iter().filter(|side| leaf.coarser_sides & side.bit() != 0);
+    drawn_coarser.filter_map(|&side| leaf.id.neighbour(side).parent()).any(condition)
 }
 
 /// Whether any of a patch can be seen: inside the frustum, and not wholly below the horizon of the planet's lowest ground.

@@ -1,24 +1,31 @@
-//! `terrane verify`: random views of a planet on the GPU, against the CPU and the invariants.
+//! `terrane verify`: random views of a planet on the GPU, against the CPU and the invariants; and their screen error, with rays.
 
 use super::viewing::GpuOptions;
 use super::Run;
 use crate::Outcome;
-use anyhow::bail;
+use anyhow::{bail, ensure};
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::json;
+use serde_json::{json, Value};
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Instant;
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
-use terrane::verify::{random_views, Verifier, VerifyReport, ViewReport};
+use terrane::verify::screen::ToleranceErrors;
+use terrane::verify::{random_views, Perturbation, ScreenErrors, Verifier, VerifyReport, ViewReport, TOLERANCES};
 use terrane::vulkan::GpuInfo;
-use terrane_planet::view::View;
+use terrane_planet::sphere::place_of;
+use terrane_planet::verify::{ErrorReadings, Probe, Reading, ScreenError};
+use terrane_planet::view::{View, TOLERANCE_RANGE};
 
 /// Pictures are not drawn: the smallest targets will do.
 const SIZE: (u32, u32) = (16, 16);
 
-/// Check random views of a planet: no cracks, no flips, the same mesh on GPU and CPU.
+/// Check random views of a planet: no cracks, no flips, the same mesh on GPU and CPU, errors within the tolerance.
+///
+/// The screen error is the radial distance between what is drawn and the finest surface in the file, in pixels as the camera sees it.
+/// Rays measure it at every sleeping vertex in view, at random pixels and at samples of finer patches, also for cuts that split more
+/// than they must and for cuts with patches missing.
 #[derive(clap::Args)]
 pub(crate) struct Verify {
     /// Planet file.
@@ -29,6 +36,12 @@ pub(crate) struct Verify {
     /// Seed of the views: the same seed gives the same views of the same file.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Tolerances in pixels, in turn.
+    #[arg(long, value_name = "PX,PX...", value_delimiter = ',', default_values_t = TOLERANCES)]
+    error: Vec<f64>,
+    /// Random pixels a view at which rays measure the screen error, and as many samples of finer patches.
+    #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
+    rays: u32,
     #[command(flatten)]
     gpu: GpuOptions,
     /// Print one JSON object.
@@ -39,35 +52,48 @@ pub(crate) struct Verify {
 impl Run for Verify {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
+        let (least, most) = TOLERANCE_RANGE;
+        for error in &self.error {
+            ensure!((least..=most).contains(error), "--error: {error} is not within {least} and {most} pixels");
+        }
         let context = self.gpu.context()?;
         let mut scene = Scene::open(&context, &self.file, SceneOptions::whole_mesh())?;
         let mut headless = Headless::new(&context, SIZE)?;
         let mut verifier = Verifier::new(&self.file, &scene)?;
-        let views = random_views(&scene, self.seed, self.views as usize);
+        let views = random_views(&scene, self.seed, self.views as usize, &self.error);
         let progress = Progress::new(views.len());
-        let mut report = VerifyReport::default();
+        let (mut report, mut errors) = (VerifyReport::default(), ScreenErrors::default());
         for (k, view) in views.iter().enumerate() {
             let seen = verifier.check(&mut scene, &mut headless, view)?;
             report.add(&seen);
-            progress.show(k, view, &seen, begun);
+            let mut largest = 0.0f64;
+            for perturbation in Perturbation::of_view(k) {
+                let screen = verifier.screen_error(scene.tree(), view, k, perturbation, self.rays as usize)?;
+                errors.add(k, view, perturbation, &screen);
+                largest = largest.max(screen.error.readings.max());
+            }
+            progress.show(k, view, &seen, largest, begun);
         }
         progress.finish();
+        errors.by_tolerance.iter().for_each(describe_worst);
         let seconds = begun.elapsed().as_secs_f64();
         if self.json {
-            println!("{}", summary(&report, context.device_info(), seconds));
+            println!("{}", summary(&report, &errors, context.device_info(), seconds));
         } else {
-            print(&report, seconds);
+            print(&report, &errors, seconds);
         }
         self.gpu.report_messages(&context)?;
-        match report.broken_promises() {
-            promises if promises.is_empty() => Ok(Outcome::Done),
-            promises => bail!("{}: {}", self.file.display(), promises.join(", ")),
+        let promises = [report.broken_promises(), errors.broken_promises()].concat();
+        if !promises.is_empty() {
+            bail!("{}: {}", self.file.display(), promises.join(", "));
         }
+        Ok(Outcome::Done)
     }
 }
 
-fn summary(r: &VerifyReport, gpu: &GpuInfo, seconds: f64) -> serde_json::Value {
+fn summary(r: &VerifyReport, errors: &ScreenErrors, gpu: &GpuInfo, seconds: f64) -> Value {
     let m = &r.mismatches;
+    let worst = errors.worst();
     json!({
         "views": r.views, "uncertified_views": r.uncertified_views, "patches": r.patches, "triangles": r.triangles,
         "most_triangles": r.most_triangles, "triangles_after_culling": r.triangles_after_culling, "cracks": r.cracks,
@@ -79,12 +105,64 @@ fn summary(r: &VerifyReport, gpu: &GpuInfo, seconds: f64) -> serde_json::Value {
         "broken_hierarchies": r.broken_hierarchies, "dropped_triangles": r.dropped, "gpu_cpu_mismatches": m.total(),
         "mismatches": { "patches": m.patches, "awake": m.awake, "resolved": m.resolved, "triangles": m.triangles,
             "culled_triangles": m.culled_triangles, "counters": m.counters },
+        "tolerance_px": worst.map(|t| t.tolerance), "screen_error_px": worst.map(|t| percentiles(&t.certified.readings)),
+        "screen_errors": errors.by_tolerance.iter().map(tolerance).collect::<Vec<_>>(),
+        "perturbed_cracks": errors.cracks, "perturbed_flipped": errors.flipped,
         "seconds": seconds, "device": gpu.name, "driver": gpu.driver, "driver_info": gpu.driver_info,
         "subgroup_size": gpu.subgroup_size,
     })
 }
 
-fn print(r: &VerifyReport, seconds: f64) {
+fn tolerance(t: &ToleranceErrors) -> Value {
+    json!({
+        "tolerance_px": t.tolerance, "views": t.views, "share_of_tolerance": t.share(),
+        "screen_error_px": percentiles(&t.certified.readings), "readings": t.certified.readings.count(),
+        "missed": t.certified.missed,
+        "at_data_rim_px": percentiles(&t.certified.at_data_rim), "readings_at_data_rim": t.certified.at_data_rim.count(),
+        "uncertified_views": t.uncertified_views, "uncertified_px": percentiles(&together(&t.uncertified)),
+        "worst": t.certified.readings.worst().zip(t.worst_view).map(|(reading, view)| place(reading, view)),
+    })
+}
+
+fn together(error: &ScreenError) -> ErrorReadings {
+    let mut all = error.readings.clone();
+    all.merge(&error.at_data_rim);
+    all
+}
+
+fn percentiles(readings: &ErrorReadings) -> Value {
+    let [p50, p99, p999] = [0.5, 0.99, 0.999].map(|share| readings.percentile(share));
+    let [pixels, vertices, finer] = [Probe::Pixel, Probe::Sleeper, Probe::FinerSample].map(|probe| readings.max_of(probe));
+    let by_probe = json!({ "pixels": pixels, "sleeping_vertices": vertices, "finer_samples": finer });
+    json!({ "p50": p50, "p99": p99, "p999": p999, "max": readings.max(), "max_by_probe": by_probe })
+}
+
+fn place(reading: &Reading, (view, perturbation): (usize, Perturbation)) -> Value {
+    let (latitude, longitude) = place_of(reading.direction);
+    json!({
+        "view": view, "cut": perturbation.name(), "patch": reading.patch.to_string(), "probe": reading.probe.to_string(),
+        "latitude": latitude, "longitude": longitude, "drawn_radius_m": reading.drawn_m, "finest_radius_m": reading.finest_m,
+        "distance_m": reading.distance_m, "error_px": reading.pixels,
+    })
+}
+
+/// Where the largest error of a tolerance was, on stderr.
+fn describe_worst(t: &ToleranceErrors) {
+    let Some((worst, (view, perturbation))) = t.certified.readings.worst().zip(t.worst_view) else { return };
+    let (latitude, longitude) = place_of(worst.direction);
+    eprintln!(
+        "largest error at {} px: {:.3} px in view {view} ({}), {} of {} at {latitude:.6},{longitude:.6}: drawn {:.3} m off, seen from {:.1} m",
+        t.tolerance,
+        worst.pixels,
+        perturbation.name(),
+        worst.probe,
+        worst.patch,
+        worst.drawn_m - worst.finest_m,
+        worst.distance_m
+    );
+}
+
+fn print(r: &VerifyReport, errors: &ScreenErrors, seconds: f64) {
     println!("{} views, {} of them not certified, in {seconds:.0} s", r.views, r.uncertified_views);
     println!("{} patches, {} triangles, at most {} in a view", r.patches, r.triangles, r.most_triangles);
     println!("{} cracks, {} differences between GPU and CPU", r.cracks, r.mismatches.total());
@@ -95,6 +173,18 @@ fn print(r: &VerifyReport, seconds: f64) {
     ] {
         let (flipped, degenerate, closure) = (faults.flipped, faults.degenerate, faults.closure_violations);
         println!("  {where_}: {flipped} flipped, {degenerate} without area, {closure} breaches of closure");
+    }
+    for t in &errors.by_tolerance {
+        let ScreenError { readings, at_data_rim, missed } = &t.certified;
+        let [p50, p99, p999] = [0.5, 0.99, 0.999].map(|share| readings.percentile(share));
+        println!("screen error at {} px, {} views, {} readings, {missed} missed:", t.tolerance, t.views, readings.count());
+        println!("  p50 {p50:.3}, p99 {p99:.3}, p99.9 {p999:.3}, max {:.3} px ({:.3} of it)", readings.max(), t.share());
+        println!(
+            "  at the rim of the data max {:.3} px; {} views that are not certified: max {:.3} px",
+            at_data_rim.max(),
+            t.uncertified_views,
+            together(&t.uncertified).max()
+        );
     }
 }
 
@@ -114,7 +204,7 @@ impl Progress {
         Progress { bar, views }
     }
 
-    fn show(&self, k: usize, view: &View, seen: &ViewReport, begun: Instant) {
+    fn show(&self, k: usize, view: &View, seen: &ViewReport, error: f64, begun: Instant) {
         let mut alone = VerifyReport::default();
         alone.add(seen);
         let faults = alone.broken_promises().join(", ");
@@ -130,7 +220,8 @@ impl Progress {
             None => {
                 let seconds = begun.elapsed().as_secs_f64();
                 let verdict = if faults.is_empty() { String::new() } else { format!(" ({place}): {faults}") };
-                eprintln!("{}/{} views, {seconds:.0} s: {} triangles{verdict}", k + 1, self.views, seen.triangles);
+                let counts = format!("{} triangles, {error:.3} of {} px", seen.triangles, view.tolerance);
+                eprintln!("{}/{} views, {seconds:.0} s: {counts}{verdict}", k + 1, self.views);
             }
         }
     }

@@ -1,0 +1,113 @@
+//! The finest surface that resident patches can be drawn as: what drawn meshes are measured against.
+//!
+//! Full grids of the leaves of [`finest_cut`], read when a ray first comes near one and kept as long as there is room.
+
+use super::box_tree::{BoxTree, Ray};
+use super::patch_surface::{grouped_grid, PatchSurface};
+use crate::lattice::{Lattice, LatticeBox};
+use crate::patch::PatchId;
+use crate::progressive::PatchMesh;
+use crate::reference::cut::finest_cut;
+use crate::store::StoreError;
+use crate::tree::PatchTree;
+use glam::DVec3;
+use std::collections::{HashMap, HashSet};
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Full grids kept in memory, of some 300 kB each (128 cells). Past it, those unused for longest go.
+const MOST_GRIDS: usize = 1536;
+
+/// Reads a patch.
+pub type Source = Box<dyn FnMut(PatchId) -> Result<PatchMesh, StoreError> + Send>;
+
+struct Kept {
+    source: Source,
+    grids: HashMap<PatchId, (Arc<PatchSurface>, u64)>,
+    clock: u64,
+}
+
+/// Full grids of patches, shared by all views.
+pub struct GridCache {
+    kept: Mutex<Kept>,
+    lattice: Lattice,
+    triangles: Arc<[[u32; 3]]>,
+}
+
+impl GridCache {
+    /// Grids of a planet; `source` reads a patch.
+    pub fn new(tree: &PatchTree, source: Source) -> GridCache {
+        let kept = Kept { source, grids: HashMap::new(), clock: 0 };
+        GridCache { kept: Mutex::new(kept), lattice: tree.lattice, triangles: grouped_grid(tree.cells) }
+    }
+
+    /// The full grid of a patch.
+    ///
+    /// # Errors
+    /// If the patch cannot be read.
+    pub fn grid(&self, id: PatchId) -> Result<Arc<PatchSurface>, StoreError> {
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.clock += 1;
+        let now = kept.clock;
+        if let Some((grid, used)) = kept.grids.get_mut(&id) {
+            *used = now;
+            return Ok(grid.clone());
+        }
+        if kept.grids.len() >= MOST_GRIDS {
+            let mut times: Vec<u64> = kept.grids.values().map(|(_, used)| *used).collect();
+            let (_, &mut middle, _) = times.select_nth_unstable(MOST_GRIDS / 2);
+            kept.grids.retain(|_, (_, used)| *used > middle);
+        }
+        let mesh = (kept.source)(id)?;
+        let grid = Arc::new(PatchSurface::of_grid(&mesh, &self.lattice, &self.triangles));
+        kept.grids.insert(id, (grid.clone(), now));
+        Ok(grid)
+    }
+}
+
+/// The finest surface over one set of resident patches.
+pub struct FinestSurface<'a> {
+    leaves: Vec<PatchId>,
+    known: HashSet<PatchId>,
+    boxes: BoxTree,
+    grids: &'a GridCache,
+}
+
+impl<'a> FinestSurface<'a> {
+    /// The surface over the patches that `resident` names.
+    pub fn new(tree: &PatchTree, resident: &dyn Fn(PatchId) -> bool, grids: &'a GridCache) -> FinestSurface<'a> {
+        let leaves: Vec<PatchId> = finest_cut(tree, resident).leaves.iter().map(|leaf| leaf.id).collect();
+        let bounds = |&id: &PatchId| tree.get(id).map_or(LatticeBox::EMPTY, |node| node.bounds);
+        let boxes: Vec<LatticeBox> = leaves.iter().map(bounds).collect();
+        FinestSurface { known: leaves.iter().copied().collect(), boxes: BoxTree::new(&boxes), leaves, grids }
+    }
+
+    /// Whether the surface is a patch's full grid where that patch lies.
+    pub fn ends_at(&self, id: PatchId) -> bool {
+        self.known.contains(&id)
+    }
+
+    /// The full grid of a patch.
+    ///
+    /// # Errors
+    /// If the patch cannot be read.
+    pub fn grid(&self, id: PatchId) -> Result<Arc<PatchSurface>, StoreError> {
+        self.grids.grid(id)
+    }
+
+    /// Distance of the surface from the planet's centre in the direction of a point; `None` if there is none.
+    ///
+    /// # Errors
+    /// If a patch cannot be read.
+    pub fn radius(&self, through: DVec3) -> Result<Option<f64>, StoreError> {
+        let ray = Ray::radial(through);
+        let mut failure = None;
+        let found = self.boxes.nearest(&ray, |k| match self.grids.grid(self.leaves[k]) {
+            Ok(grid) => grid.nearest(&ray),
+            Err(error) => {
+                failure.get_or_insert(error);
+                None
+            }
+        });
+        failure.map_or(Ok(found), Err)
+    }
+}

@@ -1,0 +1,126 @@
+//! The triangles of one patch, to be hit by rays: found by obvhs, decided in f64 on exact lattice corners.
+
+use super::box_tree::{BoxTree, Ray};
+use crate::lattice::{Lattice, LatticeBox};
+use crate::layout::PatchVertex;
+use crate::progressive::PatchMesh;
+use crate::simplify::mesh::grid_triangles;
+use glam::IVec3;
+use std::sync::Arc;
+
+/// Grid cells along a side of a group: all triangles of a group share one box, which keeps full grids small in memory.
+const GROUP: u32 = 4;
+
+/// Rounding error of how far a ray turns about an edge, relative to the squared distance of the edge from the ray's origin.
+const TURN_ROUNDING: f64 = 4.0 * f64::EPSILON;
+
+/// Triangles of one patch.
+pub struct PatchSurface {
+    /// Exact corners; those of a full grid by grid number.
+    pub positions: Vec<IVec3>,
+    triangles: Arc<[[u32; 3]]>,
+    group: usize,
+    boxes: BoxTree,
+    pub(super) bounds: LatticeBox,
+}
+
+/// Triangles of the full grid of a patch of `cells` cells a side, group by group.
+pub fn grouped_grid(cells: u32) -> Arc<[[u32; 3]]> {
+    let row = cells + 1;
+    let mut triangles = grid_triangles(cells);
+    let group_of = |t: &[u32; 3]| {
+        let low = t.iter().fold((u32::MAX, u32::MAX), |low, v| (low.0.min(v % row), low.1.min(v / row)));
+        (low.1 / GROUP, low.0 / GROUP)
+    };
+    triangles.sort_by_key(group_of);
+    triangles.into()
+}
+
+impl PatchSurface {
+    /// The full grid of a patch; `triangles` from [`grouped_grid`].
+    pub fn of_grid(mesh: &PatchMesh, lattice: &Lattice, triangles: &Arc<[[u32; 3]]>) -> PatchSurface {
+        let mut positions = vec![IVec3::ZERO; mesh.vertices.len()];
+        for vertex in PatchVertex::of_patch(mesh, lattice) {
+            positions[vertex.grid() as usize] = IVec3::from_array(vertex.position);
+        }
+        PatchSurface::new(positions, triangles.clone(), (2 * GROUP * GROUP) as usize)
+    }
+
+    /// Drawn triangles of a patch, as places in `vertices`.
+    pub fn of_drawn(vertices: &[PatchVertex], triangles: &[[u32; 3]]) -> PatchSurface {
+        let positions = vertices.iter().map(|v| IVec3::from_array(v.position)).collect();
+        PatchSurface::new(positions, triangles.into(), 1)
+    }
+
+    fn new(positions: Vec<IVec3>, triangles: Arc<[[u32; 3]]>, group: usize) -> PatchSurface {
+        let around = |group: &[[u32; 3]]| {
+            let mut bounds = LatticeBox::EMPTY;
+            group.iter().flatten().for_each(|&v| bounds.include(positions[v as usize]));
+            bounds
+        };
+        let boxes: Vec<LatticeBox> = triangles.chunks(group).map(around).collect();
+        let bounds = boxes.iter().fold(LatticeBox::EMPTY, |all, &one| all.union(one));
+        PatchSurface { boxes: BoxTree::new(&boxes), positions, triangles, group, bounds }
+    }
+
+    /// Distance along the ray to the nearest triangle.
+    pub fn nearest(&self, ray: &Ray) -> Option<f64> {
+        let in_group = |k: usize| {
+            let first = k * self.group;
+            let last = (first + self.group).min(self.triangles.len());
+            self.triangles[first..last].iter().filter_map(|t| self.distance(ray, t)).reduce(f64::min)
+        };
+        self.boxes.nearest(ray, in_group)
+    }
+
+    /// The ray turns the same way about the three edges of a triangle that it passes. Through a vertex it turns about several
+    /// edges by less than f64 can tell: what may be a hit is one, so that no ray slips between triangles.
+    fn distance(&self, ray: &Ray, triangle: &[u32; 3]) -> Option<f64> {
+        let [a, b, c] = triangle.map(|v| self.positions[v as usize].as_dvec3() - ray.origin);
+        let [u, v, w] = [(b, c), (c, a), (a, b)].map(|(p, q)| ray.direction.dot(p.cross(q)));
+        let slack = TURN_ROUNDING * a.length_squared().max(b.length_squared()).max(c.length_squared());
+        if u.min(v).min(w) < -slack && u.max(v).max(w) > slack {
+            return None;
+        }
+        let along = [a, b, c].map(|corner| ray.direction.dot(corner));
+        let normal = (b - a).cross(c - a);
+        let distance = normal.dot(a) / normal.dot(ray.direction);
+        // A triangle seen edge-on has no one distance, but none beyond its corners'.
+        let [nearest, farthest] = [along.into_iter().fold(f64::MAX, f64::min), along.into_iter().fold(f64::MIN, f64::max)];
+        Some(distance.clamp(nearest, farthest)).filter(|distance| *distance >= 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use glam::DVec3;
+
+    fn vertex(position: [i32; 3]) -> PatchVertex {
+        PatchVertex { position, ..Default::default() }
+    }
+
+    #[test]
+    fn heights_of_a_triangle_far_from_the_centre_are_exact() {
+        let far = 1 << 30;
+        let vertices = [[far, 0, 0], [far, 900, 0], [far + 300, 0, 900]].map(vertex);
+        let surface = PatchSurface::of_drawn(&vertices, &[[0, 1, 2]]);
+        let through = DVec3::new(f64::from(far) + 100.0, 300.0, 300.0);
+        let found = surface.nearest(&Ray::radial(through)).unwrap();
+        assert!((found - through.length()).abs() < 1e-5, "{}", found - through.length());
+        assert_eq!(surface.nearest(&Ray::radial(DVec3::new(f64::from(far), 500.0, 500.0))), None);
+        let down = Ray { origin: through + DVec3::X * 5000.0, direction: -DVec3::X };
+        assert!((surface.nearest(&down).unwrap() - 5000.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn no_ray_slips_between_the_cells_of_a_grid() {
+        let (cells, far) = (16, 1 << 29);
+        let place = |k: i32| IVec3::new(far + (k * 7919) % 1000, (k % 17 - 8) * 1000, (k / 17 - 8) * 1000);
+        let surface = PatchSurface::new((0..17 * 17).map(place).collect(), grouped_grid(cells), 32);
+        for (k, p) in surface.positions.iter().enumerate().filter(|(k, _)| k % 17 % 16 != 0 && (17..272).contains(k)) {
+            let found = surface.nearest(&Ray::radial(p.as_dvec3())).unwrap_or_else(|| panic!("sample {k}"));
+            assert!((found - p.as_dvec3().length()).abs() < 1e-5, "sample {k}");
+        }
+    }
+}

@@ -1,0 +1,235 @@
+//! The screen error, measured with rays: how far what is drawn lies from the finest resident surface, as the camera sees it.
+//!
+//! In: a view, the triangles drawn in it, the finest surface. Out: readings in pixels, those of patches beside missing data
+//! apart. The judge shares nothing with the builder but the file: it knows triangles and lattice positions only.
+//!
+//! Measured are the hits of camera rays through random pixels, every sleeping vertex of the drawn patches, and samples of
+//! finer resident patches than the drawn ones; of both, those inside the frustum that the planet's horizon does not hide
+//! (hills hide nothing: stricter than what is seen). Through each place a ray from the planet's centre meets both surfaces;
+//! their distance over that of the nearer one to the camera is the error, in radians and then in pixels of the
+//! picture's middle.
+
+use super::box_tree::{BoxTree, Ray};
+use super::error_readings::{ErrorReadings, Probe, Reading};
+use super::finest::FinestSurface;
+use super::patch_surface::PatchSurface;
+use super::random_views::Random;
+use crate::lattice::LatticeBox;
+use crate::layout::PatchVertex;
+use crate::patch::PatchId;
+use crate::reference::cut::{beside_coarser, is_visible, Leaf};
+use crate::reference::resolve::bit;
+use crate::store::StoreError;
+use crate::tree::PatchTree;
+use crate::view::View;
+use glam::{DVec3, IVec3};
+use rayon::prelude::*;
+
+/// Camera rays a parallel task.
+const PIXELS_A_TASK: usize = 512;
+
+/// Samples taken of a finer patch.
+const SAMPLES_A_PATCH: usize = 256;
+
+/// How much to measure beyond the sleeping vertices.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Effort {
+    /// Camera rays a view.
+    pub pixels: usize,
+    /// Samples of finer patches a view.
+    pub finer_samples: usize,
+    /// Seed of both.
+    pub seed: u64,
+}
+
+/// One drawn patch: its vertices, which of them are awake, and the triangles drawn, without culling.
+pub struct Drawn<'a> {
+    /// The patch.
+    pub leaf: Leaf,
+    /// All vertices in wake order.
+    pub vertices: &'a [PatchVertex],
+    /// Awake bits of a prefix of them; the others sleep.
+    pub awake: &'a [u32],
+    /// Triangles, as places in `vertices`.
+    pub triangles: &'a [[u32; 3]],
+}
+
+/// What one view showed.
+#[derive(Clone, Debug, Default)]
+pub struct ScreenError {
+    /// Readings that the tolerance is promised for (where the view's scale is at least 1).
+    pub readings: ErrorReadings,
+    /// Readings of patches beside coarser ones whose children are missing: there closure breaks.
+    pub at_data_rim: ErrorReadings,
+    /// Places where one of the two surfaces was not met at all.
+    pub missed: usize,
+}
+
+impl ScreenError {
+    /// Adds what another part or view showed.
+    pub fn merge(&mut self, other: &ScreenError) {
+        self.readings.merge(&other.readings);
+        self.at_data_rim.merge(&other.at_data_rim);
+        self.missed += other.missed;
+    }
+
+    fn merged(mut self, other: ScreenError) -> ScreenError {
+        self.merge(&other);
+        self
+    }
+}
+
+/// Measures a view.
+///
+/// # Errors
+/// If a patch of the finest surface cannot be read.
+pub fn measure(
+    view: &View,
+    tree: &PatchTree,
+    drawn: &[Drawn],
+    finest: &FinestSurface,
+    effort: Effort,
+) -> Result<ScreenError, StoreError> {
+    let surfaces: Vec<PatchSurface> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.triangles)).collect();
+    let boxes: Vec<LatticeBox> = surfaces.iter().map(|surface| surface.bounds).collect();
+    let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, node));
+    let at_rim = |d: &Drawn| beside_coarser(&d.leaf, &|coarser| finest.ends_at(coarser));
+    let judge = Judge {
+        view,
+        tree,
+        drawn,
+        finest,
+        boxes: BoxTree::new(&boxes),
+        surfaces,
+        visible: (0..drawn.len()).filter(|&k| seen(&drawn[k])).collect(),
+        at_rim: drawn.iter().map(at_rim).collect(),
+        ball: tree.lattice.radius + f64::from(tree.lowest),
+    };
+    let sleepers = judge.visible.par_iter().map(|&k| Ok(judge.sleepers(k)));
+    let tasks = effort.pixels.div_ceil(PIXELS_A_TASK);
+    let pixels = (0..tasks).into_par_iter().map(|task| judge.pixels(Random::new(effort.seed ^ (task as u64) << 32)));
+    let finer = judge.finer_patches(effort);
+    let finer = finer.par_iter().map(|&(k, id, seed)| judge.finer_samples(k, id, Random::new(seed)));
+    sleepers.chain(pixels).chain(finer).try_reduce(ScreenError::default, |a, b| Ok(a.merged(b)))
+}
+
+struct Judge<'a, 'f> {
+    view: &'a View,
+    tree: &'a PatchTree,
+    drawn: &'a [Drawn<'a>],
+    finest: &'a FinestSurface<'f>,
+    surfaces: Vec<PatchSurface>,
+    boxes: BoxTree,
+    /// Drawn patches of which something may be in view.
+    visible: Vec<usize>,
+    /// Whether each drawn patch lies beside missing data.
+    at_rim: Vec<bool>,
+    /// Radius of a ball inside the planet's ground.
+    ball: f64,
+}
+
+impl Judge<'_, '_> {
+    /// Every sleeping vertex of a drawn patch: the finest surface has it, or one that deviates from it as it does there.
+    fn sleepers(&self, k: usize) -> ScreenError {
+        let Drawn { vertices, awake, .. } = &self.drawn[k];
+        let asleep = |&v: &usize| v >= awake.len() * 32 || !bit(awake, v as u32);
+        let places = (0..vertices.len()).filter(asleep).map(|v| IVec3::from_array(vertices[v].position));
+        self.samples(k, Probe::Sleeper, places)
+    }
+
+    /// Finer resident patches to take samples of, each with the drawn patch above it and a seed.
+    fn finer_patches(&self, effort: Effort) -> Vec<(usize, PatchId, u64)> {
+        let mut random = Random::new(!effort.seed);
+        let coarse: Vec<usize> = self.visible.iter().copied().filter(|&k| !self.finest.ends_at(self.drawn[k].leaf.id)).collect();
+        if coarse.is_empty() {
+            return Vec::new();
+        }
+        let mut pick = || {
+            let k = coarse[random.bits() as usize % coarse.len()];
+            let mut id = self.drawn[k].leaf.id;
+            while let Some(children) = id.children().filter(|_| !self.finest.ends_at(id)) {
+                id = children[(random.bits() % 4) as usize];
+            }
+            (k, id, random.bits())
+        };
+        (0..effort.finer_samples.div_ceil(SAMPLES_A_PATCH)).map(|_| pick()).collect()
+    }
+
+    fn finer_samples(&self, k: usize, id: PatchId, mut random: Random) -> Result<ScreenError, StoreError> {
+        let grid = self.finest.grid(id)?;
+        let count = grid.positions.len();
+        let places = (0..SAMPLES_A_PATCH).map(|_| grid.positions[random.bits() as usize % count]);
+        Ok(self.samples(k, Probe::FinerSample, places))
+    }
+
+    /// Samples of the finest surface over a drawn patch.
+    fn samples(&self, k: usize, probe: Probe, places: impl Iterator<Item = IVec3>) -> ScreenError {
+        let mut error = ScreenError::default();
+        for place in places.map(|p| p.as_dvec3()).filter(|&p| self.in_view(p)) {
+            let ray = Ray::radial(place);
+            // A sample on a border may lie a rounding beyond it, over the neighbour.
+            let drawn = self.surfaces[k].nearest(&ray).or_else(|| self.hit(&ray).map(|(distance, _)| distance));
+            self.note(&mut error, k, probe, place, drawn, Some(place.length()));
+        }
+        error
+    }
+
+    fn pixels(&self, mut random: Random) -> Result<ScreenError, StoreError> {
+        let mut error = ScreenError::default();
+        let camera = &self.view.camera;
+        let (h, v) = camera.half_extents();
+        for _ in 0..PIXELS_A_TASK {
+            let across = camera.right() * (h * random.range(-1.0, 1.0)) + camera.up * (v * random.range(-1.0, 1.0));
+            let ray = Ray { origin: self.view.eye, direction: (camera.forward + across).normalize() };
+            let Some((distance, k)) = self.hit(&ray) else { continue };
+            let place = ray.origin + ray.direction * distance;
+            self.note(&mut error, k, Probe::Pixel, place, Some(place.length()), self.finest.radius(place)?);
+        }
+        Ok(error)
+    }
+
+    /// Nearest drawn triangle: its distance and its patch.
+    fn hit(&self, ray: &Ray) -> Option<(f64, usize)> {
+        let mut nearest: Option<(f64, usize)> = None;
+        self.boxes.nearest(ray, |k| {
+            let distance = self.surfaces[k].nearest(ray)?;
+            if nearest.is_none_or(|(found, _)| distance < found) {
+                nearest = Some((distance, k));
+            }
+            Some(distance)
+        });
+        nearest
+    }
+
+    fn in_view(&self, place: DVec3) -> bool {
+        let line = place - self.view.eye;
+        if self.view.planes.iter().any(|plane| plane.dot(line) > 0.0) {
+            return false;
+        }
+        let lowest_at = -self.view.eye.dot(line) / line.length_squared();
+        let passes_under = (0.0..1.0).contains(&lowest_at) && (self.view.eye + line * lowest_at).length() < self.ball;
+        !passes_under || self.view.eye.length() <= self.ball
+    }
+
+    fn note(&self, error: &mut ScreenError, k: usize, probe: Probe, place: DVec3, drawn: Option<f64>, finest: Option<f64>) {
+        let (Some(drawn), Some(finest)) = (drawn, finest) else {
+            error.missed += 1;
+            return;
+        };
+        let direction = place.normalize();
+        let distance =
+            [drawn, finest].map(|radius| self.view.eye.distance(direction * radius)).into_iter().fold(f64::MAX, f64::min);
+        let unit = self.tree.lattice.unit;
+        let reading = Reading {
+            pixels: (drawn - finest).abs() / distance / self.view.camera.pixel_angle(),
+            patch: self.drawn[k].leaf.id,
+            probe,
+            direction,
+            drawn_m: drawn * unit,
+            finest_m: finest * unit,
+            distance_m: distance * unit,
+        };
+        let readings = if self.at_rim[k] { &mut error.at_data_rim } else { &mut error.readings };
+        readings.add(reading);
+    }
+}
