@@ -80,7 +80,6 @@ fn samples_stay_within_the_tolerance() {
 }
 
 #[test]
-#[ignore = "the builder certifies at samples, not where new edges cross those of the grid: up to 2.8 of the tolerance"]
 fn what_lies_between_samples_stays_within_the_tolerance() {
     let share = natural_share(&[Probe::Pixel]);
     assert!((0.3..=1.0).contains(&share), "{share} of the tolerance");

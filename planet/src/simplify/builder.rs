@@ -49,10 +49,21 @@ struct Entry {
     key: f32,
     /// The collapse of least error when last looked at.
     into: u32,
+    /// Its radial error between samples.
+    between: f64,
     /// Whether it waits in the queue (once), and not for a change of its ring.
     queued: bool,
     /// Whether nothing changed around it since `into` was chosen.
     fresh: bool,
+}
+
+/// A possible collapse of an interior vertex.
+struct Choice {
+    into: u32,
+    /// About its largest radial error, at samples and between.
+    error: f64,
+    /// Its largest radial error between samples.
+    between: f64,
 }
 
 struct Builder<'a> {
@@ -80,7 +91,7 @@ pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
         demand: vec![0.0; count],
         faults: Faults::default(),
     };
-    let untouched = Entry { reached: 0.0, key: 0.0, into: NONE, queued: false, fresh: false };
+    let untouched = Entry { reached: 0.0, key: 0.0, into: NONE, between: 0.0, queued: false, fresh: false };
     let mut builder = Builder {
         patch: Patch { surface, rules, decimator: Decimator::new(surface.samples.clone(), side, side) },
         kappa,
@@ -166,8 +177,8 @@ impl Builder<'_> {
         if beside_border {
             self.collapse_beside_border(v);
         } else {
-            let into = self.entries[v as usize].into;
-            let error = self.measure(into);
+            let Entry { into, between, .. } = self.entries[v as usize];
+            let error = self.measure(into).max(between);
             self.perform_collapse(v, into, error, self.interior_wake(v, error));
         }
     }
@@ -175,10 +186,10 @@ impl Builder<'_> {
     /// Ranks the gathered vertex anew; true if that ends its turn.
     fn look_again(&mut self, v: u32) -> bool {
         self.rejected.clear();
-        let Some((into, error)) = self.rank(v) else { return true };
-        let key = self.demand(error).max(self.entries[v as usize].reached) as f32;
+        let Some(choice) = self.rank(v) else { return true };
+        let key = self.demand(choice.error).max(self.entries[v as usize].reached) as f32;
         let entry = &mut self.entries[v as usize];
-        (entry.into, entry.fresh, entry.key) = (into, true, entry.key.max(key));
+        (entry.into, entry.between, entry.fresh, entry.key) = (choice.into, choice.between, true, entry.key.max(key));
         let risen = !self.queue.is_due(key);
         if risen {
             self.enqueue(v);
@@ -186,20 +197,23 @@ impl Builder<'_> {
         risen
     }
 
-    /// The legal collapse of least error of the gathered interior vertex, without those rejected, and about its radial error.
-    fn rank(&mut self, v: u32) -> Option<(u32, f64)> {
+    /// The legal collapse of least error of the gathered interior vertex, without those rejected.
+    fn rank(&mut self, v: u32) -> Option<Choice> {
         let Patch { rules, decimator, surface } = &mut self.patch;
         let is_border = |r: u32| rules.kind[r as usize] == Kind::Border;
         let ring_sides = decimator.star.ring.iter().filter(|&&r| is_border(r)).fold(0, |all, &r| all | rules.sides[r as usize]);
         let rejected = &self.rejected;
         let joins_sides = |p: u32| is_border(p) && ring_sides & !rules.sides[p as usize] != 0;
         let leaves_side = |p: u32| rules.sides[v as usize] & !rules.sides[p as usize] != 0;
-        let best = decimator.rank(|p| !joins_sides(p) && !leaves_side(p) && !rejected.contains(&p))?;
+        let allowed = |p: u32| !joins_sides(p) && !leaves_side(p) && !rejected.contains(&p);
+        // About how much depth makes a lattice unit of height.
         let own = surface.samples.at(v).q;
-        Some((best.into, surface.radial_error(v, own, own + f64::from(best.error))))
+        let unit = own / surface.distance_from_centre(v);
+        let best = decimator.rank_between(allowed, |s, own, depth| surface.radial_error(s, own, depth), unit)?;
+        Some(Choice { into: best.into, error: f64::from(best.error) / unit, between: best.between })
     }
 
-    /// Largest radial error of the gathered vertex's collapse.
+    /// Largest radial error of the gathered vertex's collapse at samples.
     fn measure(&mut self, into: u32) -> f64 {
         let surface = self.patch.surface;
         self.patch.decimator.measure(into, |s, own, depth| surface.radial_error(s, own, depth))
@@ -208,10 +222,10 @@ impl Builder<'_> {
     /// Rules 3 to 5: with border vertices in its ring, a vertex waits for them and must leave them able to fall.
     fn collapse_beside_border(&mut self, v: u32) {
         let limit = self.border_limit();
-        let mut into = self.entries[v as usize].into;
+        let Entry { mut into, mut between, .. } = self.entries[v as usize];
         self.rejected.clear();
         loop {
-            let error = self.measure(into);
+            let error = self.measure(into).max(between);
             let wake = self.interior_wake(v, error);
             if wake.distance() > limit {
                 return self.wait(v);
@@ -220,15 +234,15 @@ impl Builder<'_> {
                 return self.perform_collapse(v, into, error, wake);
             }
             self.rejected.push(into);
-            let Some((other, estimate)) = self.rank(v) else { return self.wait(v) };
-            let key = self.demand(estimate).max(self.entries[v as usize].reached) as f32;
+            let Some(other) = self.rank(v) else { return self.wait(v) };
+            let key = self.demand(other.error).max(self.entries[v as usize].reached) as f32;
             if !self.queue.is_due(key) {
                 // A worse way than the one it was queued for: its turn comes later.
                 let entry = &mut self.entries[v as usize];
                 (entry.key, entry.fresh) = (key, false);
                 return self.enqueue(v);
             }
-            into = other;
+            (into, between) = (other.into, other.between);
         }
     }
 

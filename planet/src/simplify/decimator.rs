@@ -40,7 +40,20 @@ impl Decimator {
 
     /// The allowed collapse of the gathered vertex that has the least error, to single precision.
     pub fn rank(&mut self, allowed: impl Fn(u32) -> bool) -> Option<Candidate> {
-        self.star.rank(allowed)
+        self.star.rank(allowed, |_, _| 0.0, 0.0)
+    }
+
+    /// The same with the errors between samples counted too: where new edges cross those of the full grid. The difference of two
+    /// piecewise linear surfaces is largest at a corner of one of them, which is a sample, or there. `error` is that of a
+    /// sample beside a crossing, by its number, between the grid's depth and the edge's; its unit is `unit` in depth.
+    pub fn rank_between(
+        &mut self,
+        allowed: impl Fn(u32) -> bool,
+        error: impl Fn(u32, f64, f64) -> f64,
+        unit: f64,
+    ) -> Option<Candidate> {
+        let samples = &self.samples;
+        self.star.rank(allowed, |ring, p| samples.error_between(ring, p, &error), unit)
     }
 
     /// Edges of the gathered ring that make a triangle with its vertex `p`, counter-clockwise.

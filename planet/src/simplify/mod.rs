@@ -8,6 +8,7 @@
 
 pub mod border_rules;
 pub mod builder;
+mod crossings;
 pub mod decimator;
 pub mod fan;
 pub mod guard;

@@ -62,6 +62,37 @@ impl Samples {
         self.stored.is_empty()
     }
 
+    /// Column and row of a sample.
+    #[inline(always)]
+    pub(super) fn place(&self, s: u32) -> [usize; 2] {
+        let stored = &self.stored[s as usize];
+        [usize::from(stored.column), usize::from(stored.row)]
+    }
+
+    /// Number of the sample in a column and row.
+    #[inline(always)]
+    pub(super) fn number(&self, column: usize, row: usize) -> u32 {
+        (row * self.columns.len() + column) as u32
+    }
+
+    /// Place of a column.
+    #[inline(always)]
+    pub(super) fn column(&self, column: usize) -> f64 {
+        self.columns[column]
+    }
+
+    /// Place of a row.
+    #[inline(always)]
+    pub(super) fn row(&self, row: usize) -> f64 {
+        self.rows[row]
+    }
+
+    /// Depth of a sample.
+    #[inline(always)]
+    pub(super) fn depth(&self, s: u32) -> f64 {
+        self.stored[s as usize].q
+    }
+
     /// A sample by its number.
     #[inline(always)]
     pub fn at(&self, s: u32) -> Sample {

@@ -70,6 +70,8 @@ pub struct Candidate {
     pub into: u32,
     /// Largest difference of depths between the new triangles and the samples below them.
     pub error: f32,
+    /// What the caller's measure between samples gave for it, in the caller's unit.
+    pub between: f64,
 }
 
 /// The first side of a fan's triangle, and the affine function on it. One more, with the last side, ends the fan.
@@ -143,8 +145,9 @@ impl Star {
         (0..self.ring.len()).map(|k| self.places.length_squared(k)).fold(0.0, f32::max).sqrt()
     }
 
-    /// The neighbour among those allowed whose collapse has the least error; `None` if none of them sees the whole ring.
-    pub fn rank(&mut self, allowed: impl Fn(u32) -> bool) -> Option<Candidate> {
+    /// The neighbour among those allowed whose collapse has the least error; `None` if none of them sees the whole ring. `between` measures
+    /// the error between samples for the ring and a neighbour, in a unit that is `unit` in depth; the larger error counts.
+    pub fn rank(&mut self, allowed: impl Fn(u32) -> bool, between: impl Fn(&[u32], u32) -> f64, unit: f64) -> Option<Candidate> {
         let count = self.ring.len();
         if count < 3 {
             return None;
@@ -169,7 +172,11 @@ impl Star {
             open_fan(&self.places, k..k + count, &mut self.spokes);
             let apex = [self.places.x[k], self.places.y[k], self.places.q[k]];
             if let Some(error) = largest_error(apex, &self.spokes, &mut self.near, limit) {
-                best = Some(Candidate { into: self.ring[k], error });
+                let between = between(&self.ring, self.ring[k]);
+                let error = error.max((between * unit) as f32);
+                if error < limit {
+                    best = Some(Candidate { into: self.ring[k], error, between });
+                }
             }
         }
         best

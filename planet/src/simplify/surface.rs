@@ -72,12 +72,18 @@ impl Surface {
         self.positions[a as usize].as_dvec3().distance_squared(self.positions[b as usize].as_dvec3())
     }
 
+    /// Distance of a vertex from the planet's centre in lattice units.
+    #[inline]
+    pub fn distance_from_centre(&self, v: u32) -> f64 {
+        self.radius + f64::from(self.heights[v as usize])
+    }
+
     /// Radial distance in lattice units between vertex `v`, which has depth `own`, and a surface of another depth there.
     ///
     /// With radius r and slant g the depth is q = R g / r, so |r - r'| = |q - q'| r / q'.
     #[inline]
     pub fn radial_error(&self, v: u32, own: f64, depth: f64) -> f64 {
-        (depth - own).abs() * (self.radius + f64::from(self.heights[v as usize])) / depth
+        (depth - own).abs() * self.distance_from_centre(v) / depth
     }
 
     fn half_cell_deviation(&self, plane: &GnomonicPlane) -> f64 {
