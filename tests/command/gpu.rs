@@ -56,9 +56,8 @@ fn bake_tiny(path: &Path, other: Option<(&Planet, PatchId)>) {
     assert_eq!(summary.skipped, usize::from(other.is_some()));
 }
 
-/// Without rays between samples, where the builder does not certify.
 fn verify(path: &Path) -> (Output, Value) {
-    let output = terrane(&["verify", "--views", "8", "--rays", "0", "--validate", "--json"]).arg(path).output().unwrap();
+    let output = terrane(&["verify", "--views", "8", "--validate", "--json"]).arg(path).output().unwrap();
     let found = serde_json::from_slice(&output.stdout);
     let json = found.unwrap_or_else(|e| panic!("{e}: {} {}", text(&output.stdout), text(&output.stderr)));
     (output, json)
