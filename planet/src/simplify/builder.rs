@@ -157,8 +157,13 @@ impl Builder<'_> {
         (error + ROUNDING) / self.kappa + self.longest
     }
 
+    /// The wake of the gathered interior vertex, before it is rounded, with an error: its own demand, or what it has to reach.
+    fn raw_wake(&self, v: u32, error: f64) -> f64 {
+        self.demand(error).max(self.entries[v as usize].reached)
+    }
+
     fn interior_wake(&self, v: u32, error: f64) -> Wake {
-        Wake::round_up(self.demand(error).max(self.entries[v as usize].reached))
+        Wake::round_up(self.raw_wake(v, error))
     }
 
     /// Collapses an interior vertex if it is its turn, puts it back if its key has risen, or leaves it to wait for a change of its
@@ -187,7 +192,7 @@ impl Builder<'_> {
     fn look_again(&mut self, v: u32) -> bool {
         self.rejected.clear();
         let Some(choice) = self.rank(v) else { return true };
-        let key = self.demand(choice.error).max(self.entries[v as usize].reached) as f32;
+        let key = self.raw_wake(v, choice.error) as f32;
         let entry = &mut self.entries[v as usize];
         (entry.into, entry.between, entry.fresh, entry.key) = (choice.into, choice.between, true, entry.key.max(key));
         let risen = !self.queue.is_due(key);
@@ -235,7 +240,7 @@ impl Builder<'_> {
             }
             self.rejected.push(into);
             let Some(other) = self.rank(v) else { return self.wait(v) };
-            let key = self.demand(other.error).max(self.entries[v as usize].reached) as f32;
+            let key = self.raw_wake(v, other.error) as f32;
             if !self.queue.is_due(key) {
                 // A worse way than the one it was queued for: its turn comes later.
                 let entry = &mut self.entries[v as usize];

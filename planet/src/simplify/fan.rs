@@ -15,12 +15,20 @@ struct Wedge {
 }
 
 impl Wedge {
-    /// How far inside of each of the two sides from the apex places are: doubled areas.
+    /// How far inside of both sides from the apex places are: doubled areas, the smaller one.
     #[inline(always)]
-    fn sides(&self, x: Doubles, y: Doubles) -> [Doubles; 2] {
+    fn inside_sides(&self, x: Doubles, y: Doubles) -> Doubles {
         let from_a = Doubles::splat(self.a[0]) * y - Doubles::splat(self.a[1]) * x;
         let to_b = x * Doubles::splat(self.b[1]) - y * Doubles::splat(self.b[0]);
-        [from_a, to_b]
+        from_a.min(to_b)
+    }
+
+    /// How far inside of all three sides.
+    #[inline(always)]
+    fn inside(&self, x: Doubles, y: Doubles) -> Doubles {
+        let (bx, by) = (self.b[0] - self.a[0], self.b[1] - self.a[1]);
+        let rim = Doubles::splat(bx) * (y - Doubles::splat(self.a[1])) - Doubles::splat(by) * (x - Doubles::splat(self.a[0]));
+        self.inside_sides(x, y).min(rim)
     }
 }
 
@@ -64,37 +72,37 @@ impl Fan {
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
 fn locate(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> ([u32; LANES], Doubles) {
-    let (x, y) = (x - Doubles::splat(apex[0]), y - Doubles::splat(apex[1]));
-    let mut inside = Doubles::splat(f64::NEG_INFINITY);
-    let [mut found, mut sx, mut sy] = [Doubles::splat(0.0); 3];
-    for (k, wedge) in wedges.iter().enumerate() {
-        let [from_a, to_b] = wedge.sides(x, y);
-        let depth = from_a.min(to_b);
-        let deeper = depth.more_than(inside);
-        inside = deeper.select(depth, inside);
-        found = deeper.select(Doubles::splat(k as f64), found);
-        sx = deeper.select(Doubles::splat(wedge.slope[0]), sx);
-        sy = deeper.select(Doubles::splat(wedge.slope[1]), sy);
-    }
-    (found.0.map(|k| k as u32), Doubles::splat(apex[2]) + sx * x + sy * y)
+    let [found, _, depth] = deepest(apex, wedges, x, y, Wedge::inside_sides);
+    (found.0.map(|k| k as u32), depth)
 }
 
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
 fn cover(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> (Doubles, Doubles) {
+    let [_, inside, depth] = deepest(apex, wedges, x, y, Wedge::inside);
+    (inside, depth)
+}
+
+/// The triangle that each place is furthest inside of, by a measure relative to the apex: its number, how far, and the fan's depth.
+#[inline(always)]
+fn deepest(
+    apex: [f64; 3],
+    wedges: &[Wedge],
+    x: Doubles,
+    y: Doubles,
+    measure: impl Fn(&Wedge, Doubles, Doubles) -> Doubles,
+) -> [Doubles; 3] {
     let (x, y) = (x - Doubles::splat(apex[0]), y - Doubles::splat(apex[1]));
     let mut inside = Doubles::splat(f64::NEG_INFINITY);
-    let [mut sx, mut sy] = [Doubles::splat(0.0); 2];
-    for wedge in wedges {
-        let [from_a, to_b] = wedge.sides(x, y);
-        let (bx, by) = (wedge.b[0] - wedge.a[0], wedge.b[1] - wedge.a[1]);
-        let rim = Doubles::splat(bx) * (y - Doubles::splat(wedge.a[1])) - Doubles::splat(by) * (x - Doubles::splat(wedge.a[0]));
-        let depth = from_a.min(to_b).min(rim);
-        let deeper = depth.more_than(inside);
-        inside = deeper.select(depth, inside);
+    let [mut found, mut sx, mut sy] = [Doubles::splat(0.0); 3];
+    for (k, wedge) in wedges.iter().enumerate() {
+        let measured = measure(wedge, x, y);
+        let deeper = measured.more_than(inside);
+        inside = deeper.select(measured, inside);
+        found = deeper.select(Doubles::splat(k as f64), found);
         sx = deeper.select(Doubles::splat(wedge.slope[0]), sx);
         sy = deeper.select(Doubles::splat(wedge.slope[1]), sy);
     }
-    (inside, Doubles::splat(apex[2]) + sx * x + sy * y)
+    [found, inside, Doubles::splat(apex[2]) + sx * x + sy * y]
 }
 
 #[cfg(test)]

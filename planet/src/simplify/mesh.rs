@@ -207,8 +207,7 @@ struct GridCell {
 }
 
 impl GridCell {
-    /// The two triangles with their neighbours. In even cells the diagonal rises from (i, j), in odd ones it falls towards (i + 1, j);
-    /// either way the first triangle has the bottom edge and the second one the top edge.
+    /// The two triangles with their neighbours.
     fn triangles(&self, columns: usize) -> [Triangle; 2] {
         let cell = (self.j * self.across + self.i) as u32;
         let (lower, upper) = (8 * cell, 8 * cell + 4);
@@ -217,20 +216,19 @@ impl GridCell {
         let left = if self.i > 0 { lower - 8 } else { NONE };
         let right = if self.i + 1 < self.across { lower + 8 } else { NONE };
         let edge = |base: u32, e: u32| if base == NONE { NONE } else { base + e };
-        let a = (self.j * columns + self.i) as u32;
-        let (b, c, d) = (a + 1, a + columns as u32, a + columns as u32 + 1);
+        let [first, second] = cell_corners(columns, self.i, self.j).map(|[a, b, c]| [a, b, c, NONE]);
         // Edges: a neighbour below or above is reached through its top or bottom edge, which depends on its own parity only.
         if (self.i + self.j).is_multiple_of(2) {
             // (a b d), (a d c); left and right cells are odd: (a b c), (b d c), their sides are edges 0 of the upper and 2 of the lower.
             [
-                Triangle { corner: [a, b, d, NONE], opposite: [edge(below, 1), edge(right, 2), upper, NONE] },
-                Triangle { corner: [a, d, c, NONE], opposite: [lower + 2, edge(above, 0), edge(left, 4), NONE] },
+                Triangle { corner: first, opposite: [edge(below, 1), edge(right, 2), upper, NONE] },
+                Triangle { corner: second, opposite: [lower + 2, edge(above, 0), edge(left, 4), NONE] },
             ]
         } else {
             // (a b c), (b d c); left and right cells are even: their right side is edge 1 of the lower, their left edge 2 of the upper.
             [
-                Triangle { corner: [a, b, c, NONE], opposite: [edge(below, 1), upper + 2, edge(left, 1), NONE] },
-                Triangle { corner: [b, d, c, NONE], opposite: [edge(right, 6), edge(above, 0), lower + 1, NONE] },
+                Triangle { corner: first, opposite: [edge(below, 1), upper + 2, edge(left, 1), NONE] },
+                Triangle { corner: second, opposite: [edge(right, 6), edge(above, 0), lower + 1, NONE] },
             ]
         }
     }
@@ -238,16 +236,26 @@ impl GridCell {
 
 /// Triangles of the full grid, two a cell, row by row.
 pub fn grid_triangles(cells: u32) -> Vec<[u32; 3]> {
-    let row = cells + 1;
-    let mut triangles = Vec::with_capacity((2 * cells * cells) as usize);
-    for y in 0..cells {
-        for x in 0..cells {
-            let (a, b, c, d) = (y * row + x, y * row + x + 1, (y + 1) * row + x, (y + 1) * row + x + 1);
-            let pair = if (x + y) % 2 == 0 { [[a, b, d], [a, d, c]] } else { [[a, b, c], [b, d, c]] };
-            triangles.extend(pair);
+    let cells = cells as usize;
+    let mut triangles = Vec::with_capacity(2 * cells * cells);
+    for j in 0..cells {
+        for i in 0..cells {
+            triangles.extend(cell_corners(cells + 1, i, j));
         }
     }
     triangles
+}
+
+/// Corners of the two triangles of cell (i, j) of a grid. In even cells the diagonal rises from (i, j), in odd ones it falls towards
+/// (i + 1, j); either way the first triangle has the bottom edge and the second one the top edge.
+fn cell_corners(columns: usize, i: usize, j: usize) -> [[u32; 3]; 2] {
+    let a = (j * columns + i) as u32;
+    let (b, c, d) = (a + 1, a + columns as u32, a + columns as u32 + 1);
+    if (i + j).is_multiple_of(2) {
+        [[a, b, d], [a, d, c]]
+    } else {
+        [[a, b, c], [b, d, c]]
+    }
 }
 
 /// Iterator over the outgoing edges of a vertex.

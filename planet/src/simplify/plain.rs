@@ -138,16 +138,6 @@ impl Simplifier {
         }
     }
 
-    fn place(&self, v: u32) -> Place {
-        let (i, j) = (v as usize % self.result.columns, v as usize / self.result.columns);
-        let at_end = |k: usize, length: usize| k == 0 || k == length - 1;
-        match (at_end(i, self.result.columns), at_end(j, self.result.rows)) {
-            (false, false) => Place::Inside,
-            (true, true) => Place::Corner,
-            _ => Place::Side,
-        }
-    }
-
     fn run(&mut self, progress: &mut dyn FnMut(usize)) {
         (0..self.entries.len() as u32).for_each(|v| self.enqueue(v));
         let mut told = 0;
@@ -174,7 +164,7 @@ impl Simplifier {
 
     /// Puts a vertex into the queue unless it is there.
     fn enqueue(&mut self, v: u32) {
-        if !self.entries[v as usize].queued && self.place(v) != Place::Corner {
+        if !self.entries[v as usize].queued && self.result.place(v) != Place::Corner {
             let entry = &mut self.entries[v as usize];
             entry.queued = true;
             let key = entry.key;
@@ -197,7 +187,7 @@ impl Simplifier {
     }
 
     fn rank(&mut self, v: u32) -> Option<(u32, f32)> {
-        let side = self.place(v) == Place::Side;
+        let side = self.result.place(v) == Place::Side;
         let ring = &self.decimator.star.ring;
         let ends = [ring[0], ring[ring.len() - 1]];
         let best = self.decimator.rank(|p| !side || ends.contains(&p))?;
@@ -248,12 +238,19 @@ impl HalfEdgeCollapses {
 
     /// Faces that the collapse of a vertex removes.
     fn faces_of(&self, v: u32) -> usize {
+        match self.place(v) {
+            Place::Inside => 2,
+            Place::Side | Place::Corner => 1,
+        }
+    }
+
+    fn place(&self, v: u32) -> Place {
         let (i, j) = (v as usize % self.columns, v as usize / self.columns);
-        let on_side = i == 0 || j == 0 || i == self.columns - 1 || j == self.rows - 1;
-        if on_side {
-            1
-        } else {
-            2
+        let at_end = |k: usize, length: usize| k == 0 || k == length - 1;
+        match (at_end(i, self.columns), at_end(j, self.rows)) {
+            (false, false) => Place::Inside,
+            (true, true) => Place::Corner,
+            _ => Place::Side,
         }
     }
 

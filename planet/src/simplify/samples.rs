@@ -96,8 +96,7 @@ impl Samples {
     /// A sample by its number.
     #[inline(always)]
     pub fn at(&self, s: u32) -> Sample {
-        let stored = &self.stored[s as usize];
-        Sample { x: self.columns[usize::from(stored.column)], y: self.rows[usize::from(stored.row)], q: stored.q }
+        self.at_and_next(s).0
     }
 
     /// A sample, and the one after it in the list of its triangle.

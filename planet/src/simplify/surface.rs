@@ -63,13 +63,7 @@ impl Surface {
     /// Distance between two vertices in lattice units.
     #[inline]
     pub fn distance(&self, a: u32, b: u32) -> f64 {
-        self.distance_squared(a, b).sqrt()
-    }
-
-    /// Its square.
-    #[inline]
-    pub fn distance_squared(&self, a: u32, b: u32) -> f64 {
-        self.positions[a as usize].as_dvec3().distance_squared(self.positions[b as usize].as_dvec3())
+        self.positions[a as usize].as_dvec3().distance(self.positions[b as usize].as_dvec3())
     }
 
     /// Distance of a vertex from the planet's centre in lattice units.

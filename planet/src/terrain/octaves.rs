@@ -87,8 +87,17 @@ impl Warp {
         (reach_m > 0.0).then(|| Self { axes: [axis(0), axis(1), axis(2)], reach_m })
     }
 
+    /// The points where a layer looks: pushed about, in `room`, if it has a warp.
     #[inline(always)]
-    pub(crate) fn apply(&self, p: &Points) -> Points {
+    pub(crate) fn moved<'a>(warp: Option<&Warp>, p: &'a Points, room: &'a mut Option<Points>) -> &'a Points {
+        match warp {
+            Some(warp) => room.insert(warp.apply(p)),
+            None => p,
+        }
+    }
+
+    #[inline(always)]
+    fn apply(&self, p: &Points) -> Points {
         let mut place = p.place;
         for (axis, place) in self.axes.iter().zip(&mut place) {
             let push = axis.brownian(p);

@@ -31,14 +31,8 @@ impl Continents {
 
     #[inline(always)]
     pub(crate) fn metres(&self, p: &Points) -> Lane {
-        let moved;
-        let p = match &self.warp {
-            Some(warp) => {
-                moved = warp.apply(p);
-                &moved
-            }
-            None => p,
-        };
+        let mut room = None;
+        let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         let mut own = self.profile.lanes(&self.fractal.brownian(p));
         if let Some(ridges) = &self.ridges {
             if own.iter().fold(false, |any, &h| any | (h < RIDGE_FADE_M[1] as f32)) {
@@ -96,14 +90,8 @@ impl Mountains {
     #[inline(always)]
     pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
         let mask = self.mask(p, base)?;
-        let moved;
-        let p = match &self.warp {
-            Some(warp) => {
-                moved = warp.apply(p);
-                &moved
-            }
-            None => p,
-        };
+        let mut room = None;
+        let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         let mut own = self.fractal.ridged(p);
         for i in 0..LANES {
             own[i] = self.amplitude_m as f32 * mask[i] * (UPLIFT * mask[i] + (1.0 - UPLIFT) * own[i]);
