@@ -7,7 +7,7 @@
 use crate::ground::{Ground, SurfacePoint};
 use crate::patch::{PatchId, Side};
 use crate::sphere::{CubePoint, ONE};
-use crate::wake::{Wake, PROPAGATION_MARGIN};
+use crate::wake::{asked, Wake};
 
 /// Lattice units by which a drawn point may lie off its ideal place, because vertices are rounded to the lattice. Part of
 /// every measured error.
@@ -114,8 +114,7 @@ fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], kappa: f64) -> Vec<Wake> {
             let raw = error / kappa + reach(rows, b, step);
             wakes[b] = Wake::round_up(wanted[b].max(raw));
             for x in [a, c] {
-                wanted[x] =
-                    wanted[x].max((wakes[b].distance() + line[b].position.distance(line[x].position)) * PROPAGATION_MARGIN);
+                wanted[x] = wanted[x].max(asked(wakes[b].distance(), line[b].position.distance(line[x].position)));
             }
         }
         step *= 2;

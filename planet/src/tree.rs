@@ -4,6 +4,7 @@ use crate::lattice::{Lattice, LatticeBox};
 use crate::patch::PatchId;
 use crate::progressive::PatchMesh;
 use crate::store::PatchRecord;
+use crate::wake::MORPH_REACH;
 use crate::{DEVIATION_SHARE, KAPPA};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -103,7 +104,7 @@ impl PatchTree {
             let deepest = children.iter().map(|c| c.deviation).fold(0.0, f64::max);
             node.deviation = own.deviation + deepest;
             let odd = children.iter().map(|c| c.own.odd_wake).fold(0.0, f64::max);
-            node.split_wake = odd.max(node.deviation / (DEVIATION_SHARE * KAPPA));
+            node.split_wake = (MORPH_REACH * odd).max(node.deviation / (DEVIATION_SHARE * KAPPA));
             for child in children {
                 node.bounds = node.bounds.union(child.bounds);
                 node.highest = node.highest.max(child.highest);

@@ -18,6 +18,20 @@ const ONE: u64 = 1.0f64.to_bits() >> DROPPED_BITS;
 /// included: its planes multiply the rounding error by at most G_max = 3).
 pub const PROPAGATION_MARGIN: f64 = 1.0 + 4e-6;
 
+/// How much farther than its wake a vertex already wakes, to slide from its parent's place to its own until the viewer is as near
+/// as its wake. Wakes grow by this factor along every dependency, so that whatever a sliding vertex stands among stands still.
+pub const MORPH_REACH: f64 = 1.03125;
+
+/// The least wake of a vertex with which it is awake and in its place wherever one of this `wake`, `edge` away, is awake at all.
+pub fn asked(wake: f64, edge: f64) -> f64 {
+    (wake * MORPH_REACH + edge) * PROPAGATION_MARGIN
+}
+
+/// The largest wake for which [`asked`] is at most `limit`, rounded to the safe side.
+pub fn askable(limit: f64, edge: f64) -> f64 {
+    (limit / PROPAGATION_MARGIN - edge * PROPAGATION_MARGIN) / (MORPH_REACH * PROPAGATION_MARGIN)
+}
+
 impl Wake {
     /// Never awake.
     pub const ASLEEP: Wake = Wake(0);

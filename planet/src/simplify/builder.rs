@@ -10,7 +10,7 @@ use super::mesh::NONE;
 use super::queue::Queue;
 use super::surface::Surface;
 use crate::border::ROUNDING;
-use crate::wake::{Wake, PROPAGATION_MARGIN};
+use crate::wake::{askable, asked, Wake};
 
 /// The finished hierarchy of one patch, by vertex number.
 pub struct Hierarchy {
@@ -260,8 +260,7 @@ impl Builder<'_> {
     fn border_limit(&self) -> f64 {
         let patch = &self.patch;
         let ring = patch.decimator.star.ring.iter().zip(&self.distances);
-        let limit =
-            |(&r, distance): (&u32, &f64)| patch.rules.low[r as usize] / PROPAGATION_MARGIN - distance * PROPAGATION_MARGIN;
+        let limit = |(&r, &distance): (&u32, &f64)| askable(patch.rules.low[r as usize], distance);
         ring.filter(|(&r, _)| patch.kind(r) == Kind::Border).map(limit).fold(f64::INFINITY, f64::min)
     }
 
@@ -283,7 +282,7 @@ impl Builder<'_> {
 
     /// Collapses the vertex gathered and measured last. `interior` is its wake, unless its border gives it one.
     fn perform_collapse(&mut self, v: u32, into: u32, error: f64, interior: Wake) {
-        let asks = if self.patch.kind(v) == Kind::Interior {
+        let wake = if self.patch.kind(v) == Kind::Interior {
             self.result.own[v as usize] = interior;
             self.result.coarser[v as usize] = interior;
             interior.distance()
@@ -299,9 +298,8 @@ impl Builder<'_> {
             if self.patch.rules.last[v as usize] && self.patch.rules.sides[r as usize] == 0 {
                 self.patch.rules.kind[r as usize] = Kind::Fixed;
             }
-            let asked = (asks + self.distances[k]) * PROPAGATION_MARGIN;
             let entry = &mut self.entries[r as usize];
-            entry.reached = entry.reached.max(asked);
+            entry.reached = entry.reached.max(asked(wake, self.distances[k]));
             entry.fresh = false;
             self.enqueue(r);
         }

@@ -9,7 +9,7 @@ use std::path::Path;
 pub const APPLICATION_ID: u32 = 0x5445_5252;
 
 /// SQLite user version of planet files: tables, records and the builder's rules together.
-pub const FORMAT_VERSION: u32 = 3;
+pub const FORMAT_VERSION: u32 = 4;
 
 /// Everything but the pragmas that stamp the file. The patch key packs face, level, column and row, so that a patch is found
 /// through one tree; blobs come last, so that an index is read without them.
