@@ -193,7 +193,7 @@ impl PlanetFile {
                     record.heights[0],
                     record.heights[1],
                     record.deviation,
-                    record.odd_wake,
+                    record.child_wake,
                     record.always_awake,
                     checksum,
                     geometry,

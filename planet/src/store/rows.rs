@@ -10,7 +10,7 @@ use rusqlite::Row;
 
 /// Columns that [`read`] reads, in its order.
 pub(super) const COLUMNS: &str = "key, face, level, x, y, low_x, low_y, low_z, high_x, high_y, high_z, lowest, highest, \
-     deviation, odd_wake, always_awake, checksum, length(geometry), length(texture)";
+     deviation, child_wake, always_awake, checksum, length(geometry), length(texture)";
 
 /// The key of a patch: 3 bits of face, 5 of level, 21 each of column and row.
 pub(super) fn key(id: PatchId) -> i64 {
@@ -26,7 +26,7 @@ pub(super) fn checksum(record: &PatchRecord) -> u32 {
         hasher.update(&number.to_le_bytes());
     }
     hasher.update(&record.deviation.to_le_bytes());
-    hasher.update(&record.odd_wake.to_le_bytes());
+    hasher.update(&record.child_wake.to_le_bytes());
     for number in [record.always_awake, record.geometry_bytes, record.texture_bytes] {
         hasher.update(&number.to_le_bytes());
     }
@@ -48,7 +48,7 @@ pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), Str
         },
         heights: [row.get(11)?, row.get(12)?],
         deviation: row.get(13)?,
-        odd_wake: row.get(14)?,
+        child_wake: row.get(14)?,
         always_awake: row.get(15)?,
         geometry_bytes: row.get(17)?,
         texture_bytes: row.get(18)?,
@@ -57,7 +57,7 @@ pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), Str
     if stated != key(id) || found != expected {
         return Ok(Err(format!("the row of patch {id} has checksum {found:08x}, expected {expected:08x}")));
     }
-    Ok(match measures_are_valid(record.bounds, record.heights, record.deviation, record.odd_wake) {
+    Ok(match measures_are_valid(record.bounds, record.heights, record.deviation, record.child_wake) {
         Ok(()) => Ok((record, found)),
         Err(reason) => Err(format!("the row of patch {id}: {reason}")),
     })
