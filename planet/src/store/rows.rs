@@ -1,12 +1,12 @@
 //! Patches as rows of the patch table: keys, metadata and the checksum over both.
 
-use super::baked::PatchRecord;
+use super::baked::{BakedPatch, PatchRecord};
 use super::geometry::measures_are_valid;
 use crate::lattice::LatticeBox;
 use crate::patch::PatchId;
 use crate::sphere::Face;
 use glam::IVec3;
-use rusqlite::Row;
+use rusqlite::{params, Connection, Row};
 
 /// Columns that [`read`] reads, in its order.
 pub(super) const COLUMNS: &str = "key, face, level, x, y, low_x, low_y, low_z, high_x, high_y, high_z, lowest, highest, \
@@ -61,4 +61,56 @@ pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), Str
         Ok(()) => Ok((record, found)),
         Err(reason) => Err(format!("the row of patch {id}: {reason}")),
     })
+}
+
+/// Adds the patches that are not there yet, and returns which those were.
+pub(super) fn insert<'a>(connection: &Connection, patches: &'a [BakedPatch]) -> rusqlite::Result<Vec<&'a PatchRecord>> {
+    let mut statement = connection.prepare_cached(
+        "INSERT OR IGNORE INTO patch VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,?17,?18,?19)",
+    )?;
+    let mut added = Vec::new();
+    for BakedPatch { record, geometry, texture } in patches {
+        let (id, low, high) = (record.id, record.bounds.low, record.bounds.high);
+        let values = params![
+            key(id),
+            id.face.index(),
+            id.level,
+            id.x,
+            id.y,
+            low.x,
+            low.y,
+            low.z,
+            high.x,
+            high.y,
+            high.z,
+            record.heights[0],
+            record.heights[1],
+            record.deviation,
+            record.child_wake,
+            record.always_awake,
+            checksum(record),
+            geometry,
+            texture
+        ];
+        if statement.execute(values)? == 1 {
+            added.push(record);
+        }
+    }
+    let combined = added.iter().fold(0, |all, record| all ^ checksum(record));
+    count(connection, added.len() as i64, combined)?;
+    Ok(added)
+}
+
+/// Removes a patch.
+pub(super) fn remove(connection: &Connection, key: i64) -> rusqlite::Result<()> {
+    let mut statement = connection.prepare_cached("DELETE FROM patch WHERE key = ?1 RETURNING checksum")?;
+    let combined = statement.query_row([key], |row| row.get(0))?;
+    drop(statement);
+    count(connection, -1, combined)
+}
+
+/// Counts patches added or removed in the tally. SQLite has no exclusive or: a | b less a & b.
+fn count(connection: &Connection, patches: i64, combined: u32) -> rusqlite::Result<()> {
+    let tally = "UPDATE tally SET patches = patches + ?1, combined = (combined | ?2) - (combined & ?2)";
+    connection.execute(tally, params![patches, combined]).map(drop)
 }
