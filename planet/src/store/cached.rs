@@ -28,7 +28,9 @@ pub(super) fn touch(connection: &Connection, ids: &[PatchId], now: i64) -> rusql
 
 /// Bytes of all patches that may go.
 pub(super) fn bytes(connection: &Connection) -> rusqlite::Result<u64> {
-    connection.query_row("SELECT coalesce(sum(bytes), 0) FROM cached", [], |row| row.get::<_, i64>(0)).map(|bytes| bytes.max(0) as u64)
+    connection
+        .query_row("SELECT coalesce(sum(bytes), 0) FROM cached", [], |row| row.get::<_, i64>(0))
+        .map(|bytes| bytes.max(0) as u64)
 }
 
 /// Removes patches, those unused for longest and of these the finest first, until at most `budget` bytes may go.
