@@ -1,16 +1,19 @@
-//! Twin of `select.comp`: which vertices of a patch are awake.
+//! Twin of `select.comp`: which vertices of a patch are awake, and how far each is on its way to its parent's place.
 //!
 //! Every operation is a single-precision IEEE operation in the order of the shader, which marks them `precise`.
 
+use super::place::relative;
 use crate::layout::{FrameView, PatchVertex};
 use crate::wake::Wake;
 use glam::Vec3;
 
-/// Camera-relative position in lattice units: integers first.
-#[inline]
-pub fn relative(view: &FrameView, position: [i32; 3]) -> Vec3 {
-    let difference = |k: usize| position[k].wrapping_sub(view.anchor[k]) as f32 - view.offset[k];
-    Vec3::new(difference(0), difference(1), difference(2))
+/// What a view selects of a patch, or of a prefix of its vertices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selected {
+    /// Awake bits, 32 a word.
+    pub awake: Vec<u32>,
+    /// Morph weight of each vertex, see [`super::place`]; 1 for those that sleep.
+    pub morph: Vec<f32>,
 }
 
 #[inline]
@@ -32,30 +35,39 @@ pub fn on_sides(grid: u32, cells: u32, sides: u32) -> bool {
     (sides & 1 != 0 && i == 0) || (sides & 2 != 0 && i == cells) || (sides & 4 != 0 && j == 0) || (sides & 8 != 0 && j == cells)
 }
 
-/// Whether one vertex is awake.
+/// The morph weight of a vertex that is awake; `None` if it sleeps.
 #[inline]
-pub fn is_awake(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) -> bool {
+pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) -> Option<f32> {
     let coarser = coarser_sides != 0 && on_sides(vertex.grid(), view.cells, coarser_sides);
     let code = if coarser { vertex.parent_coarser } else { vertex.grid_own } >> 16;
     if code == u32::from(Wake::ALWAYS.code()) {
-        return true;
+        return Some(0.0);
     }
     if code == 0 {
-        return false;
+        return None;
     }
+    let wake = distance(code);
     let p = relative(view, vertex.position);
     let outside = view.planes.iter().map(|&n| dot(p, n)).fold(0.0f32, f32::max);
-    let reach = view.scale * distance(code) - view.falloff * outside;
+    let falloff = view.falloff * outside;
+    let reach = view.reach * wake - falloff;
     let squared = p.x * p.x + p.y * p.y + p.z * p.z;
-    reach > 0.0 && squared < reach * reach
+    if reach <= 0.0 || squared >= reach * reach {
+        return None;
+    }
+    let slide = ((squared.sqrt() + falloff) / wake - view.scale) * view.morph_rate;
+    Some(slide.clamp(0.0, 1.0))
 }
 
-/// Awake bits of the first `vertices.len()` vertices of a patch, 32 a word.
-pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) -> Vec<u32> {
-    let word = |chunk: &[PatchVertex]| {
-        chunk.iter().enumerate().fold(0, |bits, (k, v)| bits | u32::from(is_awake(view, v, coarser_sides)) << k)
-    };
-    vertices.chunks(32).map(word).collect()
+/// Selects among the first `vertices.len()` vertices of a patch.
+pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) -> Selected {
+    let mut selected = Selected { awake: vec![0; vertices.len().div_ceil(32)], morph: Vec::with_capacity(vertices.len()) };
+    for (k, vertex) in vertices.iter().enumerate() {
+        let weight = morph_weight(view, vertex, coarser_sides);
+        selected.awake[k / 32] |= u32::from(weight.is_some()) << (k % 32);
+        selected.morph.push(weight.unwrap_or(1.0));
+    }
+    selected
 }
 
 #[cfg(test)]
