@@ -73,6 +73,45 @@ pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::Lattice;
+    use crate::view::{Camera, View};
+    use crate::wake::MORPH_REACH;
+    use glam::DVec3;
+
+    /// A vertex of some wake `share` of scale times its wake ahead of a camera, and the view.
+    fn ahead(share: f64) -> (View, PatchVertex) {
+        let camera = Camera::looking(DVec3::new(6.4e6, 0.0, 0.0), 0.0, -90.0, 1.0, [1280, 720]);
+        let view = View::new(camera, &Lattice::new(6.371e6, 9e3), 128, 0.7);
+        let wake = Wake::round_up(1e5);
+        let place = view.eye + view.camera.forward * (share * view.scale * wake.distance());
+        let vertex = PatchVertex {
+            position: place.round().as_ivec3().to_array(),
+            grid_own: u32::from(wake.code()) << 16,
+            ..Default::default()
+        };
+        (view, vertex)
+    }
+
+    #[test]
+    fn a_vertex_wakes_in_its_parents_place_and_is_in_its_own_at_its_wake() {
+        let weight = |share: f64| {
+            let (view, vertex) = ahead(share);
+            morph_weight(&view.gpu, &vertex, 0)
+        };
+        assert_eq!([0.2, 0.9, 0.9999].map(weight), [Some(0.0); 3]);
+        let half = weight(1.0 + (MORPH_REACH - 1.0) / 2.0).unwrap();
+        assert!((half - 0.5).abs() < 1e-3, "{half}");
+        assert!(weight(MORPH_REACH - 1e-5).unwrap() > 0.999 && weight(MORPH_REACH + 1e-5).is_none());
+    }
+
+    #[test]
+    fn without_geomorphs_a_vertex_is_in_its_own_place_or_asleep() {
+        let weight = |share: f64| {
+            let (view, vertex) = ahead(share);
+            morph_weight(&view.without_geomorphs().gpu, &vertex, 0)
+        };
+        assert_eq!((weight(0.9999), weight(1.0001)), (Some(0.0), None));
+    }
 
     #[test]
     fn shader_wakes_equal_builder_wakes() {
