@@ -47,10 +47,8 @@ fn every_view_is_watertight_unflipped_and_closed() {
             levels = levels.max(cut.leaves.iter().filter(|l| l.coarser_sides != 0).count());
             let (report, violations) = draw(&planet, view, &cut, false);
             assert_eq!(report.cracks, 0, "view {k} of seed {seed}: {:?}", view.camera);
-            if view.scale >= 1.0 {
-                let clean = SurfaceReport { triangles: report.triangles, ..Default::default() };
-                assert_eq!((report, violations), (clean, 0), "view {k} of seed {seed}: {:?}", view.camera);
-            }
+            let clean = SurfaceReport { triangles: report.triangles, ..Default::default() };
+            assert_eq!((report, violations), (clean, 0), "view {k} of seed {seed}: {:?}", view.camera);
             assert!(report.triangles > 100);
         }
         assert!(levels > 0, "no view mixed levels: the test would prove nothing about them");
@@ -75,8 +73,7 @@ fn patches_that_are_not_resident_make_a_coarser_picture_without_cracks() {
         let cut = cut(&planet.tree, view, &missing);
         let (report, _) = draw(&planet, view, &cut, false);
         assert_eq!(report.cracks, 0, "view {k}");
-        // Below a scale of 1 only watertightness is promised.
-        assert!(report.flipped == 0 || view.scale < 1.0, "view {k}: {report:?}");
+        assert_eq!(report.flipped, 0, "view {k}: {report:?}");
         assert!(cut.leaves.iter().all(|leaf| missing(leaf.id)));
     }
 }

@@ -143,13 +143,14 @@ fn collect(id: PatchId, split: &HashSet<PatchId>, leaves: &mut Vec<Leaf>) {
 /// Whether a drawn patch lies at the rim of the stored data: next to a coarser patch that has no children to split into. There
 /// the error is that coarser patch's own, and closure breaks, because vertices that only the finer side has must sleep.
 pub fn at_data_rim(tree: &PatchTree, leaf: &Leaf) -> bool {
-    beside_coarser(leaf, &|coarser| !tree.can_split(coarser))
+    sides_beside(leaf, &|coarser| !tree.can_split(coarser)) != 0
 }
 
-/// Whether a drawn patch lies beside a coarser one for which a condition holds.
-pub fn beside_coarser(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> bool {
+/// Sides (bits of [`Side::bit`]) across which a drawn patch has a coarser neighbour for which a condition holds.
+pub fn sides_beside(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> u8 {
     let drawn_coarser = Side::ALL.iter().filter(|side| leaf.coarser_sides & side.bit() != 0);
-    drawn_coarser.filter_map(|&side| leaf.id.neighbour(side).parent()).any(condition)
+    let holds = |side: &&Side| leaf.id.neighbour(**side).parent().is_some_and(condition);
+    drawn_coarser.filter(holds).fold(0, |bits, side| bits | side.bit())
 }
 
 /// Whether any of a patch can be seen: inside the frustum, and not wholly below the horizon of the planet's lowest ground.

@@ -74,12 +74,24 @@ impl<P: Copy + Into<DVec3>> PatchSurface<P> {
 
     /// Distance along the ray to the nearest triangle.
     pub fn nearest(&self, ray: &Ray) -> Option<f64> {
+        self.nearest_triangle(ray).map(|(distance, _)| distance)
+    }
+
+    /// The nearest triangle on the ray, and its distance.
+    pub fn nearest_triangle(&self, ray: &Ray) -> Option<(f64, [u32; 3])> {
+        let mut nearest: Option<(f64, [u32; 3])> = None;
         let in_group = |k: usize| {
             let first = k * self.group;
             let last = (first + self.group).min(self.triangles.len());
-            self.triangles[first..last].iter().filter_map(|t| self.distance(ray, t)).reduce(f64::min)
+            let hits = self.triangles[first..last].iter().filter_map(|t| Some((self.distance(ray, t)?, *t)));
+            let (distance, triangle) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            if nearest.is_none_or(|(found, _)| distance < found) {
+                nearest = Some((distance, triangle));
+            }
+            Some(distance)
         };
-        self.boxes.nearest(ray, in_group)
+        self.boxes.nearest(ray, in_group);
+        nearest
     }
 
     /// The ray turns the same way about the three edges of a triangle that it passes. Through a vertex it turns about several
