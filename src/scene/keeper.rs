@@ -146,3 +146,28 @@ fn keep(mut file: PlanetFile, notes: &Receiver<Note>, budget: u64) {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use terrane_planet::planet::Planet;
+    use terrane_planet::recipe::Recipe;
+
+    #[test]
+    fn a_file_that_cannot_be_written_loses_what_is_built() {
+        let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join("planet/recipes/tiny.toml");
+        let planet = Planet::from_recipe(Recipe::load(&recipe).expect("a shipped recipe"), 16).expect("a shipped recipe");
+        let folder = tempfile::tempdir().expect("a folder");
+        let side = folder.path().join("cache");
+        let options = CacheOptions { bytes: u64::MAX, side: Some(side) };
+        let nowhere = folder.path().join("not there/a.planet");
+        let keeper = Keeper::start(&nowhere, &planet.header(), &options).expect("a cache file beside it");
+        let id = PatchId::roots().next().expect("six roots");
+        let (mesh, texture, _) = planet.build(id);
+        keeper.handle().expect("a handle").built(BakedPatch::new(&mesh, &texture).expect("a sound patch"));
+        let side = keeper.side.clone().expect("a cache file");
+        drop(keeper);
+        assert!(PlanetFile::open(&side).and_then(|file| file.mesh(id)).is_ok_and(|kept| kept == mesh));
+        assert!(Keeper::start(&nowhere, &planet.header(), &CacheOptions { side: None, ..options }).is_none());
+    }
+}

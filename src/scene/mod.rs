@@ -34,6 +34,9 @@ use thiserror::Error;
 /// Bytes staged at a time.
 const UPLOAD_CHUNK: u64 = 8 << 20;
 
+/// Fewest patches on the GPU: the six whole faces, and the children of one.
+const LEAST_PATCHES: u32 = 10;
+
 /// Updates for which nothing is asked for after a patch was turned away.
 const PATIENCE: u64 = 60;
 
@@ -85,8 +88,9 @@ pub struct SceneTally {
 /// What a scene may use.
 #[derive(Clone, Debug)]
 pub struct SceneOptions {
-    /// Most patches on the GPU at a time, at least 64; with textures also at most the device's limit of image layers.
-    pub capacity: u32,
+    /// Most bytes of patches on the GPU: their vertices, triangle lists and textures. Room for the six whole faces and one set of
+    /// children is always taken, and with textures there are at most as many patches as the device has image layers.
+    pub gpu_bytes: u64,
     /// Whether to load textures (checks of the mesh do without).
     pub textures: bool,
     /// Whether and how to build what the file lacks.
@@ -96,13 +100,13 @@ pub struct SceneOptions {
 impl SceneOptions {
     /// Every patch that a view asks for, without textures: for checks of the mesh.
     pub fn whole_mesh() -> Self {
-        SceneOptions { capacity: u32::MAX, textures: false, on_demand: None }
+        SceneOptions { gpu_bytes: u64::MAX, textures: false, on_demand: None }
     }
 }
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        SceneOptions { capacity: 1280, textures: true, on_demand: None }
+        SceneOptions { gpu_bytes: 2 << 30, textures: true, on_demand: None }
     }
 }
 
@@ -118,6 +122,7 @@ pub struct Scene {
     _keeper: Option<Keeper>,
     tally: Arc<Tally>,
     capacity: usize,
+    has_textures: bool,
     frame: u64,
     settled: bool,
     /// The update in which a patch was last turned away, because all resident ones were in use.
@@ -144,7 +149,9 @@ impl Scene {
         }
         // Only textures need a layer for each patch.
         let most = if options.textures { context.limits().max_image_array_layers } else { u32::MAX };
-        let capacity = options.capacity.clamp(64, most).min(most_patches);
+        let bytes =
+            resident::bytes_of_patch(planet.cells) + if options.textures { textures::bytes_of_layer(planet.cells) } else { 0 };
+        let capacity = u32::try_from(options.gpu_bytes / bytes).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches);
         let layers = if options.textures { capacity } else { 1 };
         let textures = TexturePool::new(context, planet.cells, layers)?;
         let tally = Arc::new(Tally::default());
@@ -172,6 +179,7 @@ impl Scene {
             _keeper: keeper,
             tally,
             capacity: capacity as usize,
+            has_textures: options.textures,
             frame: 0,
             settled: false,
             full_at: None,
@@ -207,6 +215,13 @@ impl Scene {
     /// Number of patches on the GPU.
     pub fn resident_count(&self) -> usize {
         self.resident.len()
+    }
+
+    /// Bytes that the patches on the GPU take, textures of absent ones included, and the most they may take.
+    pub fn gpu_bytes(&self) -> (u64, u64) {
+        let meshes: u64 = self.resident.values().map(|patch| patch.buffer().bytes()).sum();
+        let layers = if self.has_textures { self.capacity as u64 * textures::bytes_of_layer(self.planet.cells) } else { 0 };
+        (meshes + layers, self.capacity as u64 * resident::bytes_of_patch(self.planet.cells) + layers)
     }
 
     /// How the patches were come by.
