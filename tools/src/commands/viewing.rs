@@ -178,7 +178,7 @@ impl PatchOptions {
         let bytes = |megabytes: u64| megabytes.saturating_mul(1_000_000);
         let side = directories::ProjectDirs::from("", "", "terrane").map(|folders| folders.cache_dir().to_owned());
         let cache = (self.cache > 0).then(|| CacheOptions { bytes: bytes(self.cache), side });
-        let on_demand = (!self.stored_only).then(|| OnDemand { spacing_m: self.spacing, cache });
+        let on_demand = (!self.stored_only).then_some(OnDemand { spacing_m: self.spacing, cache });
         Ok(SceneOptions { gpu_bytes: bytes(self.gpu_memory), on_demand, ..SceneOptions::default() })
     }
 }
