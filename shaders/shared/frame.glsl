@@ -7,8 +7,8 @@
 #include "layout.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vertices { PatchVertex at[]; };
-// A triangle is three 16-bit places in the wake order: x holds two, y the third.
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triangles { uvec2 at[]; };
+// Triangles are three 16-bit places in the wake order each, without padding: two of them in three words.
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triangles { uint at[]; };
 
 // Camera-relative position in lattice units: integers first, so that it is exact near the camera.
 vec3 relative_to_camera(ivec3 position, ivec3 anchor, vec3 offset) {

@@ -5,8 +5,8 @@ use crate::headless::Selection;
 use std::cmp::Ordering;
 use terrane_planet::lattice::Lattice;
 use terrane_planet::layout::{FrameView, PatchDraw, PatchVertex, VERTEX_BITS};
-use terrane_planet::progressive::{IndexLevel, PatchMesh};
-use terrane_planet::reference::cut::{distance_to_box, Leaf};
+use terrane_planet::progressive::PatchMesh;
+use terrane_planet::reference::cut::Leaf;
 use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
 use terrane_planet::verify::{LoadedPatch, Rings};
 use terrane_planet::view::View;
@@ -30,7 +30,7 @@ pub(super) struct Twin<'a> {
     pub(super) known: &'a KnownPatch,
     pub(super) leaf: Leaf,
     gpu: FrameView,
-    level: IndexLevel,
+    triangles: Vec<[u16; 3]>,
     vertices: &'a [PatchVertex],
     awake: Vec<u32>,
     resolved: Vec<u32>,
@@ -39,17 +39,18 @@ pub(super) struct Twin<'a> {
 impl<'a> Twin<'a> {
     pub(super) fn new(view: &View, leaf: &Leaf, known: &'a KnownPatch) -> Twin<'a> {
         let patch = &known.loaded;
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
-        let vertices = &patch.vertices[..level.vertices as usize];
+        let work = patch.reach.work(view);
+        let vertices = &patch.vertices[..work.vertices as usize];
         let awake = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
         let resolved = resolve(vertices, &awake);
-        Twin { known, leaf: *leaf, gpu: view.without_culling().gpu, level, vertices, awake, resolved }
+        let triangles = patch.triangles(&work);
+        Twin { known, leaf: *leaf, gpu: view.without_culling().gpu, triangles, vertices, awake, resolved }
     }
 
     /// The triangles that `view` draws, or without culling.
     pub(super) fn emit(&self, view: Option<&View>) -> Vec<[u32; 3]> {
         let view = view.map_or(&self.gpu, |view| &view.gpu);
-        emit(view, self.vertices, self.known.loaded.triangles(self.level), &self.resolved)
+        emit(view, self.vertices, &self.triangles, &self.resolved)
     }
 
     /// Awake bits of the prefix that was selected.
@@ -69,8 +70,8 @@ impl<'a> Twin<'a> {
 
     /// Differences in table, awake bits and resolved vertices. Patches that were given other tables are not compared further.
     pub(super) fn compare_stages(&self, draw: &PatchDraw, selection: &Selection) -> Mismatches {
-        let tables = (draw.vertex_count, draw.triangle_count, draw.coarser_sides, draw.level);
-        if tables != (self.level.vertices, self.level.count, u32::from(self.leaf.coarser_sides), u32::from(self.leaf.id.level)) {
+        let tables = (draw.vertex_count, draw.coarser_sides, draw.level);
+        if tables != (self.vertices.len() as u32, u32::from(self.leaf.coarser_sides), u32::from(self.leaf.id.level)) {
             return Mismatches { patches: 1, ..Mismatches::default() };
         }
         let start = draw.resolve_offset as usize;

@@ -2,7 +2,7 @@
 
 use crate::layout::PatchVertex;
 use crate::patch::PatchId;
-use crate::reference::cut::{cut, distance_to_box, is_visible, Leaf};
+use crate::reference::cut::{cut, is_visible, Leaf};
 use crate::reference::{emit::emit, resolve::resolve, select::select};
 use crate::tree::PatchTree;
 use crate::verify::LoadedPatch;
@@ -82,8 +82,8 @@ pub fn view_surface<E>(
 
 /// The triangles that a view draws of a patch.
 fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch) -> Vec<[u32; 3]> {
-    let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
-    let vertices = &patch.vertices[..level.vertices as usize];
+    let work = patch.reach.work(view);
+    let vertices = &patch.vertices[..work.vertices as usize];
     let awake = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-    emit(&view.gpu, vertices, patch.triangles(level), &resolve(vertices, &awake))
+    emit(&view.gpu, vertices, &patch.triangles(&work), &resolve(vertices, &awake))
 }
