@@ -42,7 +42,7 @@ impl Tiny {
         let place = direction_at(20.0, 30.0);
         let position = place * (self.planet.recipe.radius + self.planet.terrain.height(place) + altitude);
         let camera = Camera::looking(position, 40.0, -25.0, 0.9, [640, 360]);
-        View::new(camera, &self.planet.lattice, self.planet.cells, 1.0)
+        View::new(camera, &self.planet.lattice, self.planet.cells, 1.0).without_geomorphs()
     }
 
     fn load(&self, id: PatchId) -> LoadedPatch {
@@ -182,8 +182,9 @@ fn a_view_has_the_triangles_of_the_twins() {
             let patch = tiny.load(leaf.id);
             let work = patch.reach.work(&view);
             let vertices = &patch.vertices[..work.vertices as usize];
-            let resolved = resolve(vertices, &select(&view.gpu, vertices, u32::from(leaf.coarser_sides)));
-            let drawn = emit(&view.gpu, vertices, &patch.triangles(&work), &resolved);
+            let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+            let resolved = resolve(vertices, &selected.awake);
+            let drawn = emit(&view.gpu, vertices, &patch.triangles(&work), &resolved, &selected.morph);
             corners.extend(drawn.iter().map(|t| t.map(|v| vertices[v as usize].position)));
         }
         let surface = tiny.surface(&view, false);

@@ -9,7 +9,11 @@ mod whole_planet;
 use common::TestField;
 use terrane_planet::reference::cut::{cut, is_visible, Leaf};
 use terrane_planet::reference::work::Work;
-use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
+use terrane_planet::reference::{
+    emit::emit,
+    resolve::resolve,
+    select::{select, Selected},
+};
 use terrane_planet::verify::LoadedPatch;
 use terrane_planet::view::View;
 use whole_planet::{planet, views, Planet};
@@ -19,8 +23,8 @@ const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: 
 /// Awake vertices and triangles that a view draws of a patch, from what some work looks at. Triangles have no order.
 fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch, work: &Work) -> (usize, Vec<[u32; 3]>) {
     let vertices = &patch.vertices[..work.vertices as usize];
-    let awake = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-    let mut triangles = emit(&view.gpu, vertices, &patch.triangles(work), &resolve(vertices, &awake));
+    let Selected { awake, morph } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+    let mut triangles = emit(&view.gpu, vertices, &patch.triangles(work), &resolve(vertices, &awake), &morph);
     triangles.sort_unstable();
     (awake.iter().map(|word| word.count_ones() as usize).sum(), triangles)
 }
@@ -46,19 +50,16 @@ fn differing(planet: &Planet, views: &[View], looked_at: &dyn Fn(&View, &LoadedP
 
 #[test]
 fn what_is_left_out_would_not_be_drawn() {
-    for seed in [5, 6] {
-        let field = TestField { seed, ..FIELD };
-        let planet = planet(&field, 32);
-        let views = views(&planet, &field, 40);
-        assert_eq!(differing(&planet, &views, &|view, patch| patch.reach.work(view)), 0, "seed {seed}");
-        let too_little = |view: &View, patch: &LoadedPatch| patch.reach.work(&View { scale: 0.7 * view.scale, ..*view });
-        assert!(differing(&planet, &views, &too_little) > 0, "the comparison cannot fail");
-    }
+    let planet = planet(&FIELD, 32);
+    let views = views(&planet, &FIELD, 30);
+    assert_eq!(differing(&planet, &views, &|view, patch| patch.reach.work(view)), 0);
+    let too_little = |view: &View, patch: &LoadedPatch| patch.reach.work(&View { reach: 0.7 * view.reach, ..*view });
+    assert!(differing(&planet, &views[..6], &too_little) > 0, "the comparison cannot fail");
 }
 
 #[test]
 fn the_work_follows_what_is_drawn() {
-    let planet = planet(&FIELD, 32);
+    let planet = planet(&FIELD, 16);
     let [mut awake, mut prefix, mut kept, mut processed, mut divided] = [0; 5];
     for view in views(&planet, &FIELD, 40) {
         for leaf in cut(&planet.tree, &view, &|_| true).leaves {

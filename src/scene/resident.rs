@@ -10,6 +10,12 @@ use terrane_planet::view::View;
 /// Bytes of a triangle: three 16-bit places.
 const TRIANGLE_BYTES: u64 = 6;
 
+/// Bytes that a patch of `cells` cells a side takes, about: its vertices, and the triangles of all index levels, 2.75 times the finest.
+pub(super) fn bytes_of_patch(cells: u32) -> u64 {
+    let (cells, row) = (u64::from(cells), u64::from(cells) + 1);
+    row * row * size_of::<PatchVertex>() as u64 + 11 * cells * cells * TRIANGLE_BYTES / 2
+}
+
 /// A patch that can be drawn.
 pub struct ResidentPatch {
     /// Layer of its textures.

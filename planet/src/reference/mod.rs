@@ -4,6 +4,7 @@
 
 pub mod cut;
 pub mod emit;
+pub mod place;
 pub mod resolve;
 pub mod select;
 pub mod work;

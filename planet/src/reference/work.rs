@@ -57,7 +57,7 @@ impl Beyond {
     /// selection.
     fn sleeps(&self, view: &View) -> bool {
         let nearest = || distance_to_box(view, &self.bounds) * (1.0 - 1e-5);
-        self.wake == Wake::ASLEEP || nearest() > view.scale * self.wake.distance()
+        self.wake == Wake::ASLEEP || nearest() > view.reach * self.wake.distance()
     }
 }
 

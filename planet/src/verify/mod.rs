@@ -1,5 +1,5 @@
-//! Checks of the invariants on drawn meshes: watertight by bits, nothing flipped or degenerate, closure kept; and the screen
-//! error, measured with rays against the finest resident surface.
+//! Checks of the invariants on drawn meshes, in the places where they are drawn: watertight by bits, nothing flipped or degenerate,
+//! closure kept; and the screen error, measured with rays against the finest resident surface.
 
 mod box_tree;
 pub mod error_readings;
@@ -66,17 +66,14 @@ impl Rings {
         Some(rings)
     }
 
-    /// Number of (awake vertex, sleeping member of its ring) pairs: 0 when the awake set is closed.
-    pub fn violations(&self, awake: &[u32]) -> usize {
-        let asleep_in_ring = |v: usize| {
+    /// Number of pairs of an awake vertex and a member of its ring that is not in its own place: 0 when the awake set is closed.
+    /// `morph` holds the weights of a prefix, 1 for sleeping vertices; the others sleep.
+    pub fn violations(&self, awake: &[u32], morph: &[f32]) -> usize {
+        let moved_in_ring = |v: usize| {
             let members = &self.members[self.start[v] as usize..self.start[v + 1] as usize];
-            members.iter().filter(|&&r| !in_set(awake, r)).count()
+            members.iter().filter(|&&r| morph.get(usize::from(r)) != Some(&0.0)).count()
         };
-        (0..self.start.len() - 1).filter(|&v| in_set(awake, v as u16)).map(asleep_in_ring).sum()
+        let count = morph.len().min(self.start.len() - 1);
+        (0..count).filter(|&v| bit(awake, v as u32)).map(moved_in_ring).sum()
     }
-}
-
-/// Whether a vertex is in an awake set that may cover only a prefix.
-fn in_set(awake: &[u32], v: u16) -> bool {
-    usize::from(v) < awake.len() * 32 && bit(awake, u32::from(v))
 }
