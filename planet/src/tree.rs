@@ -45,8 +45,11 @@ pub struct PatchNode {
     pub bounds: LatticeBox,
     /// Highest of all these vertices, lattice units above the datum.
     pub highest: i32,
-    /// Wsplit: a viewer nearer to `bounds` than this times the view's scale needs the children.
-    pub split_wake: f64,
+    /// A viewer nearer to `bounds` than this times the view's scale needs the children, seen or not: vertices that only they have are
+    /// awake on the patch's sides, where seen patches may lie.
+    pub closure_wake: f64,
+    /// A viewer nearer than this needs them if the patch is seen: they deviate from its grid by more than their share of the tolerance.
+    pub detail_wake: f64,
     /// Direction of its middle.
     pub centre: DVec3,
     /// Cosine of the angle between its middle and its farthest corner.
@@ -57,12 +60,12 @@ impl From<PatchFacts> for PatchNode {
     fn from(own: PatchFacts) -> PatchNode {
         let centre = own.id.centre();
         let corner = |a: i32, b: i32| crate::sphere::direction(own.id.point(a, b, 1)).dot(centre);
-        let below = DEVIATION_BELOW * own.deviation;
-        let margin = below.ceil() as i32;
+        let margin = (DEVIATION_BELOW * own.deviation).ceil() as i32;
         PatchNode {
             bounds: own.bounds.widened(margin),
             highest: own.heights[1].saturating_add(margin),
-            split_wake: (MORPH_REACH * own.child_wake).max(below / (DEVIATION_SHARE * KAPPA)),
+            closure_wake: MORPH_REACH * own.child_wake,
+            detail_wake: own.deviation / (DEVIATION_SHARE * KAPPA),
             centre,
             spread: [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)].into_iter().fold(1.0, f64::min),
         }

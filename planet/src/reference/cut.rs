@@ -13,8 +13,8 @@ use std::collections::HashSet;
 /// Pixels that a texel may cover before a patch splits for its texture's sake.
 pub const TEXEL_PIXELS: f64 = 2.0;
 
-/// Weight of the distance outside the frustum for the sake of textures: nothing depends on them but what is seen.
-const TEXTURE_FALLOFF: f64 = 4.0;
+/// Weight of the distance outside the frustum for the sake of what is seen only: detail and textures.
+const SEEN_FALLOFF: f64 = 4.0;
 
 /// One drawn patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,12 +77,16 @@ pub fn cut_by(tree: &PatchTree, urgency: &dyn Fn(PatchId, &PatchNode) -> f64, re
     result
 }
 
-/// Distance over split distance: below 1 a patch of a level splits, for its geometry's or for its texture's sake.
+/// Distance over split distance: below 1 a patch of a level splits, for closure's sake or for that of what is seen of it.
 pub fn urgency(tree: &PatchTree, view: &View, level: u8, node: &PatchNode) -> f64 {
     let (nearest, outside) = nearest_and_outside(view, &node.bounds);
-    let geometry = (nearest + view.falloff * outside) / (view.scale * node.split_wake);
-    let texture = (nearest + TEXTURE_FALLOFF * outside) / texture_distance(tree, view, level);
-    geometry.min(texture)
+    let closure = (nearest + view.falloff * outside) / (view.scale * node.closure_wake);
+    let finest_at = (view.scale * node.detail_wake).max(texture_distance(tree, view, level));
+    let seen = (nearest + SEEN_FALLOFF * outside) / finest_at;
+    if seen < 1.0 && below_horizon(tree, view, node) {
+        return closure;
+    }
+    closure.min(seen)
 }
 
 struct Search<'a> {
