@@ -34,12 +34,12 @@ fn error_of(planet: &Planet, view: &View, cut: &Cut, resident: &dyn Fn(PatchId) 
         let mut vertices = patch.vertices.clone();
         change(planet, leaf.id, &mut vertices);
         let prefix = &vertices[..work.vertices as usize];
-        let Selected { awake, morph } = select(&view.gpu, prefix, u32::from(leaf.coarser_sides));
-        let triangles = emit(&view.gpu, prefix, &patch.triangles(&work), &resolve(prefix, &awake), &morph);
-        patches.push((*leaf, vertices, morph, triangles));
+        let Selected { awake, places } = select(&view.gpu, prefix, u32::from(leaf.coarser_sides));
+        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(prefix, &awake), &places);
+        patches.push((*leaf, vertices, places, triangles));
     }
     let drawn: Vec<Drawn> =
-        patches.iter().map(|(leaf, vertices, morph, triangles)| Drawn { leaf: *leaf, vertices, morph, triangles }).collect();
+        patches.iter().map(|(leaf, vertices, places, triangles)| Drawn { leaf: *leaf, vertices, places, triangles }).collect();
     let meshes: HashMap<PatchId, PatchMesh> = planet.patches.iter().map(|(id, (patch, _))| (*id, patch.mesh.clone())).collect();
     let grids = GridCache::new(&planet.tree, Box::new(move |id| Ok(meshes[&id].clone())));
     let finest = FinestSurface::new(&planet.tree, resident, &grids);

@@ -23,8 +23,8 @@ const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: 
 /// Awake vertices and triangles that a view draws of a patch, from what some work looks at. Triangles have no order.
 fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch, work: &Work) -> (usize, Vec<[u32; 3]>) {
     let vertices = &patch.vertices[..work.vertices as usize];
-    let Selected { awake, morph } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-    let mut triangles = emit(&view.gpu, vertices, &patch.triangles(work), &resolve(vertices, &awake), &morph);
+    let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+    let mut triangles = emit(&view.gpu, &patch.triangles(work), &resolve(vertices, &awake), &places);
     triangles.sort_unstable();
     (awake.iter().map(|word| word.count_ones() as usize).sum(), triangles)
 }
