@@ -103,7 +103,6 @@ pub fn measure(
         surfaces,
         visible: (0..drawn.len()).filter(|&k| seen(&drawn[k])).collect(),
         at_rim: drawn.iter().map(at_rim).collect(),
-        ball: tree.lattice.radius + f64::from(tree.lowest),
     };
     let sleepers = judge.visible.par_iter().map(|&k| Ok(judge.sleepers(k)));
     let tasks = effort.pixels.div_ceil(PIXELS_A_TASK);
@@ -124,8 +123,6 @@ struct Judge<'a, 'f> {
     visible: Vec<usize>,
     /// Whether each drawn patch lies beside missing data.
     at_rim: Vec<bool>,
-    /// Radius of a ball inside the planet's ground.
-    ball: f64,
 }
 
 impl Judge<'_, '_> {
@@ -165,7 +162,7 @@ impl Judge<'_, '_> {
     /// Samples of the finest surface over a drawn patch.
     fn samples(&self, k: usize, probe: Probe, places: impl Iterator<Item = IVec3>) -> ScreenError {
         let mut error = ScreenError::default();
-        for place in places.map(|p| p.as_dvec3()).filter(|&p| self.in_view(p)) {
+        for place in places.map(|p| p.as_dvec3()).filter(|&p| is_in_view(self.view, self.tree, p)) {
             let ray = Ray::radial(place);
             // A sample on a border may lie a rounding beyond it, over the neighbour.
             let drawn = self.surfaces[k].nearest(&ray).or_else(|| self.hit(&ray).map(|(distance, _)| distance));
@@ -201,16 +198,6 @@ impl Judge<'_, '_> {
         nearest
     }
 
-    fn in_view(&self, place: DVec3) -> bool {
-        let line = place - self.view.eye;
-        if self.view.planes.iter().any(|plane| plane.dot(line) > 0.0) {
-            return false;
-        }
-        let lowest_at = -self.view.eye.dot(line) / line.length_squared();
-        let passes_under = (0.0..1.0).contains(&lowest_at) && (self.view.eye + line * lowest_at).length() < self.ball;
-        !passes_under || self.view.eye.length() <= self.ball
-    }
-
     fn note(&self, error: &mut ScreenError, k: usize, probe: Probe, place: DVec3, drawn: Option<f64>, finest: Option<f64>) {
         let (Some(drawn), Some(finest)) = (drawn, finest) else {
             error.missed += 1;
@@ -232,4 +219,17 @@ impl Judge<'_, '_> {
         let readings = if self.at_rim[k] { &mut error.at_data_rim } else { &mut error.readings };
         readings.add(reading);
     }
+}
+
+/// Whether a place lies in the frustum of a view, and the line to it misses the ball inside the planet's lowest ground (hills hide
+/// nothing).
+pub fn is_in_view(view: &View, tree: &PatchTree, place: DVec3) -> bool {
+    let line = place - view.eye;
+    if view.planes.iter().any(|plane| plane.dot(line) > 0.0) {
+        return false;
+    }
+    let ball = tree.lattice.radius + f64::from(tree.lowest);
+    let lowest_at = -view.eye.dot(line) / line.length_squared();
+    let passes_under = (0.0..1.0).contains(&lowest_at) && (view.eye + line * lowest_at).length() < ball;
+    !passes_under || view.eye.length() <= ball
 }
