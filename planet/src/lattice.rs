@@ -47,9 +47,13 @@ impl Lattice {
 
 /// Exact sign of det(a, b, c): positive when the triangle a, b, c turns counter-clockwise seen from outside the planet.
 pub fn orientation(a: IVec3, b: IVec3, c: IVec3) -> i32 {
+    determinant(a, b, c).signum() as i32
+}
+
+/// det(a, b, c), exactly.
+pub fn determinant(a: IVec3, b: IVec3, c: IVec3) -> i128 {
     let [a, b, c] = [a, b, c].map(|p| [i128::from(p.x), i128::from(p.y), i128::from(p.z)]);
-    let det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-    det.signum() as i32
+    a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
 /// Axis-aligned box of lattice positions, both ends included.

@@ -10,7 +10,11 @@ use terrane_planet::layout::PatchVertex;
 use terrane_planet::patch::PatchId;
 use terrane_planet::progressive::PatchMesh;
 use terrane_planet::reference::cut::{cut, cut_by, distance_to_box, urgency, Cut};
-use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
+use terrane_planet::reference::{
+    emit::emit,
+    resolve::resolve,
+    select::{select, Selected},
+};
 use terrane_planet::verify::{measure, Drawn, Effort, FinestSurface, GridCache, Probe, ScreenError};
 use terrane_planet::view::View;
 use whole_planet::{planet, views, Planet};
@@ -26,17 +30,16 @@ fn error_of(planet: &Planet, view: &View, cut: &Cut, resident: &dyn Fn(PatchId) 
     let mut patches = Vec::new();
     for leaf in &cut.leaves {
         let (patch, _) = &planet.patches[&leaf.id];
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
         let mut vertices = patch.vertices.clone();
         change(planet, leaf.id, &mut vertices);
         let prefix = &vertices[..level.vertices as usize];
-        let awake = select(&view.gpu, prefix, u32::from(leaf.coarser_sides));
-        let triangles = emit(&view.gpu, prefix, patch.triangles(level), &resolve(prefix, &awake));
-        patches.push((*leaf, vertices, awake, triangles));
+        let Selected { awake, morph } = select(&view.gpu, prefix, u32::from(leaf.coarser_sides));
+        let triangles = emit(&view.gpu, prefix, patch.triangles(level), &resolve(prefix, &awake), &morph);
+        patches.push((*leaf, vertices, morph, triangles));
     }
-    let drawn = |(leaf, vertices, awake, triangles)| Drawn { leaf, vertices, awake, triangles };
     let drawn: Vec<Drawn> =
-        patches.iter().map(|(leaf, v, a, t)| drawn((*leaf, v.as_slice(), a.as_slice(), t.as_slice()))).collect();
+        patches.iter().map(|(leaf, vertices, morph, triangles)| Drawn { leaf: *leaf, vertices, morph, triangles }).collect();
     let meshes: HashMap<PatchId, PatchMesh> = planet.patches.iter().map(|(id, (patch, _))| (*id, patch.mesh.clone())).collect();
     let grids = GridCache::new(&planet.tree, Box::new(move |id| Ok(meshes[&id].clone())));
     let finest = FinestSurface::new(&planet.tree, resident, &grids);

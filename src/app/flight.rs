@@ -47,6 +47,7 @@ pub(super) struct Flight {
     stage: OverlayStage,
     look: Look,
     tolerance: f64,
+    geomorphs: bool,
     /// Of the latest frame; while frozen, of the frame that stays.
     tables: Option<FrameTables>,
     selection: Selection,
@@ -77,6 +78,7 @@ impl Flight {
             swapchain,
             look: options.look,
             tolerance: options.tolerance,
+            geomorphs: options.geomorphs,
             tables: None,
             selection: Selection::Follows,
             uploads: UPLOADS_PER_FRAME.0,
@@ -110,6 +112,7 @@ impl Flight {
             Command::Show(mode) => self.look.mode = mode,
             Command::ShowNext => self.look.mode = next_mode(self.look.mode),
             Command::Toggle(mode) => self.look.mode = if self.look.mode == mode { Mode::Shaded } else { mode },
+            Command::Geomorphs => self.geomorphs = !self.geomorphs,
             Command::Freeze if self.selection == Selection::Follows => self.selection = Selection::Freezes,
             Command::Freeze => self.selection = Selection::Follows,
             Command::Screenshot => self.screenshot_wanted = true,
@@ -164,6 +167,7 @@ impl Flight {
     fn record_mesh(&mut self, commands: &mut Commands) -> Result<(), AppError> {
         let camera = self.viewer.pose.camera(&self.viewer.lens);
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
+        let view = if self.geomorphs { view } else { view.without_geomorphs() };
         if let (Selection::Frozen, Some(tables)) = (self.selection, &self.tables) {
             self.renderer.prepare_again(&self.scene, &view, tables, &self.look)?;
             return Ok(self.renderer.record_again(commands, &self.scene, tables)?);
@@ -187,6 +191,7 @@ impl Flight {
             patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
             device: &self.context.device_info().name,
             flying: self.viewer.flying,
+            geomorphs: self.geomorphs,
             frozen: self.selection != Selection::Follows,
             mode: self.look.mode,
         };

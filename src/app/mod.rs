@@ -75,6 +75,8 @@ pub struct FlyOptions {
     pub look: Look,
     /// Largest error of the mesh in pixels.
     pub tolerance: f64,
+    /// Whether vertices slide into their places.
+    pub geomorphs: bool,
     /// Takes screenshots.
     pub save: SaveScreenshot,
 }

@@ -50,8 +50,8 @@ impl ResidentPatch {
     }
 
     /// See [`Reach::level_for`].
-    pub fn level_for(&self, distance: f64, scale: f64) -> IndexLevel {
-        self.reach.level_for(distance, scale)
+    pub fn level_for(&self, distance: f64, reach: f64) -> IndexLevel {
+        self.reach.level_for(distance, reach)
     }
 
     /// Device address of its vertices.

@@ -32,6 +32,8 @@ counts! {
         patches,
         /// Awake bits.
         awake,
+        /// Morph weights.
+        morph,
         /// Resolved vertices.
         resolved,
         /// Triangles emitted without culling that only one side has.

@@ -183,8 +183,10 @@ impl Builder<'_> {
             self.collapse_beside_border(v);
         } else {
             let Entry { into, between, .. } = self.entries[v as usize];
-            let error = self.measure(into).max(between);
-            self.perform_collapse(v, into, error, self.interior_wake(v, error));
+            let error = self.measure(v, into).max(between);
+            if !self.waits_its_turn(v, error) {
+                self.perform_collapse(v, into, error, self.interior_wake(v, error));
+            }
         }
     }
 
@@ -218,10 +220,23 @@ impl Builder<'_> {
         Some(Choice { into: best.into, error: f64::from(best.error) / unit, between: best.between })
     }
 
-    /// Largest radial error of the gathered vertex's collapse at samples.
-    fn measure(&mut self, into: u32) -> f64 {
+    /// Puts the gathered vertex back if the measured error of its collapse asks for more than it was ranked with, and says so.
+    fn waits_its_turn(&mut self, v: u32, error: f64) -> bool {
+        let key = self.raw_wake(v, error) as f32;
+        let waits = !self.queue.is_due(key);
+        if waits {
+            let entry = &mut self.entries[v as usize];
+            (entry.key, entry.between) = (key, error);
+            self.enqueue(v);
+        }
+        waits
+    }
+
+    /// Largest radial error at samples of the gathered vertex's collapse, and of every place on the way.
+    fn measure(&mut self, v: u32, into: u32) -> f64 {
         let surface = self.patch.surface;
-        self.patch.decimator.measure(into, |s, own, depth| surface.radial_error(s, own, depth))
+        let error = |s: u32, own: f64, depth: f64| surface.radial_error(s, own, depth);
+        self.patch.decimator.measure(into, error).max(self.patch.decimator.measure_slide(v, into, error))
     }
 
     /// Rules 3 to 5: with border vertices in its ring, a vertex waits for them and must leave them able to fall.
@@ -230,7 +245,7 @@ impl Builder<'_> {
         let Entry { mut into, mut between, .. } = self.entries[v as usize];
         self.rejected.clear();
         loop {
-            let error = self.measure(into).max(between);
+            let error = self.measure(v, into).max(between);
             let wake = self.interior_wake(v, error);
             if wake.distance() > limit {
                 return self.wait(v);
@@ -273,7 +288,10 @@ impl Builder<'_> {
         if !ready || !decimator.is_open(target) {
             return;
         }
-        let error = self.measure(target);
+        let Patch { decimator, surface, .. } = &self.patch;
+        let between =
+            decimator.samples.error_between(&decimator.star.ring, target, |s, own, depth| surface.radial_error(s, own, depth));
+        let error = self.measure(b, target).max(between);
         if self.demand(error) > self.patch.rules.low[b as usize] * (1.0 + 1e-9) {
             self.result.faults.uncertified += 1;
         }

@@ -4,20 +4,19 @@
 //! are samples; here are the crossings.
 
 use super::samples::Samples;
+use super::star::opposite;
 
 impl Samples {
     /// The largest error where the new edges of a collapse into `p`, of its closed ring, cross those of the full grid. `error` is
     /// that of a sample beside the crossing, by its number, between two depths: the grid's and the edge's.
     pub fn error_between(&self, ring: &[u32], p: u32, error: impl Fn(u32, f64, f64) -> f64) -> f64 {
-        let Some(at) = ring.iter().position(|&r| r == p) else { return 0.0 };
+        opposite(ring, p).map(|w| self.edge_error(p, w, &error)).fold(0.0, f64::max)
+    }
+
+    /// The same of one edge from sample `p` to `w`.
+    pub(super) fn edge_error(&self, p: u32, w: u32, error: impl Fn(u32, f64, f64) -> f64) -> f64 {
         let mut worst = 0.0f64;
-        for (k, &w) in ring.iter().enumerate() {
-            // Edges from p to the neighbours beside it stay; those to the others are new.
-            let steps = k.abs_diff(at);
-            if steps > 1 && steps != ring.len() - 1 {
-                self.crossings(p, w, |near, own, depth| worst = worst.max(error(near, own, depth)));
-            }
-        }
+        self.crossings(p, w, |near, own, depth| worst = worst.max(error(near, own, depth)));
         worst
     }
 

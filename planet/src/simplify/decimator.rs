@@ -7,7 +7,8 @@
 use super::fan::Fan;
 use super::mesh::{Mesh, NONE};
 use super::samples::{area, Samples};
-use super::star::{Candidate, Star, LEAST_AREA};
+use super::star::{opposite, Candidate, Star, LEAST_AREA};
+use super::sweep::Sweep;
 
 /// A mesh between two collapses, with the samples it approximates.
 pub struct Decimator {
@@ -18,6 +19,7 @@ pub struct Decimator {
     /// The star gathered last.
     pub star: Star,
     fan: Fan,
+    sweep: Sweep,
     /// Every sample below the gathered star with its triangle in `fan`.
     triangles: Vec<(u32, u32)>,
 }
@@ -25,7 +27,14 @@ pub struct Decimator {
 impl Decimator {
     /// The full grid of `columns` × `rows` samples.
     pub fn new(samples: Samples, columns: usize, rows: usize) -> Decimator {
-        Decimator { mesh: Mesh::grid(columns, rows), samples, star: Star::default(), fan: Fan::default(), triangles: Vec::new() }
+        Decimator {
+            mesh: Mesh::grid(columns, rows),
+            samples,
+            star: Star::default(),
+            fan: Fan::default(),
+            sweep: Sweep::default(),
+            triangles: Vec::new(),
+        }
     }
 
     /// Whether a vertex still exists.
@@ -85,6 +94,24 @@ impl Decimator {
                 self.triangles.push((number, triangles[lane]));
             }
         }
+        worst
+    }
+
+    /// The largest error at samples while `v`, which is gathered, slides to `p`, if that is more than at both ends.
+    pub fn measure_slide(&mut self, v: u32, p: u32, error: impl Fn(u32, f64, f64) -> f64) -> f64 {
+        let [start, end] = [v, p].map(|k| self.samples.at(k));
+        let mut sweep = std::mem::take(&mut self.sweep);
+        sweep.start(&end);
+        opposite(&self.star.ring, p).for_each(|r| sweep.push(&end, &start, &self.samples.at(r)));
+        let mut worst = 0.0f64;
+        for chunk in self.star.below() {
+            let [low, high] = sweep.range(chunk.x, chunk.y, chunk.q);
+            for (lane, &number) in chunk.numbers.iter().enumerate().filter(|&(_, &number)| number != NONE) {
+                let own = chunk.q.0[lane];
+                worst = worst.max(error(number, own, low.0[lane])).max(error(number, own, high.0[lane]));
+            }
+        }
+        self.sweep = sweep;
         worst
     }
 

@@ -8,13 +8,28 @@ use multiversion::multiversion;
 pub(super) const SLACK: f64 = 1e-9;
 
 /// One triangle (apex, a, b) of a fan, relative to the apex.
-struct Wedge {
+pub(super) struct Wedge {
     a: [f64; 2],
     b: [f64; 2],
     slope: [f64; 2],
 }
 
 impl Wedge {
+    /// The triangle (apex, a, b), which must be counter-clockwise; the apex is given as place and depth.
+    pub(super) fn new([x, y, q]: [f64; 3], a: &Sample, b: &Sample) -> Wedge {
+        let (ra, rb) = ([a.x - x, a.y - y], [b.x - x, b.y - y]);
+        let area = ra[0] * rb[1] - ra[1] * rb[0];
+        let (qa, qb) = (a.q - q, b.q - q);
+        let slope = [(qa * rb[1] - qb * ra[1]) / area, (qb * ra[0] - qa * rb[0]) / area];
+        Wedge { a: ra, b: rb, slope }
+    }
+
+    /// How much deeper than the apex the triangle's plane is at places.
+    #[inline(always)]
+    pub(super) fn rise(&self, x: Doubles, y: Doubles) -> Doubles {
+        Doubles::splat(self.slope[0]) * x + Doubles::splat(self.slope[1]) * y
+    }
+
     /// How far inside of both sides from the apex places are: doubled areas, the smaller one.
     #[inline(always)]
     fn inside_sides(&self, x: Doubles, y: Doubles) -> Doubles {
@@ -25,7 +40,7 @@ impl Wedge {
 
     /// How far inside of all three sides.
     #[inline(always)]
-    fn inside(&self, x: Doubles, y: Doubles) -> Doubles {
+    pub(super) fn inside(&self, x: Doubles, y: Doubles) -> Doubles {
         let (bx, by) = (self.b[0] - self.a[0], self.b[1] - self.a[1]);
         let rim = Doubles::splat(bx) * (y - Doubles::splat(self.a[1])) - Doubles::splat(by) * (x - Doubles::splat(self.a[0]));
         self.inside_sides(x, y).min(rim)
@@ -48,12 +63,7 @@ impl Fan {
 
     /// Adds the triangle (apex, a, b), which must be counter-clockwise.
     pub fn push(&mut self, a: &Sample, b: &Sample) {
-        let [x, y, q] = self.apex;
-        let (ra, rb) = ([a.x - x, a.y - y], [b.x - x, b.y - y]);
-        let area = ra[0] * rb[1] - ra[1] * rb[0];
-        let (qa, qb) = (a.q - q, b.q - q);
-        let slope = [(qa * rb[1] - qb * ra[1]) / area, (qb * ra[0] - qa * rb[0]) / area];
-        self.wedges.push(Wedge { a: ra, b: rb, slope });
+        self.wedges.push(Wedge::new(self.apex, a, b));
     }
 
     /// For eight places inside the fan's polygon the triangle (by order of [`Fan::push`]) that holds each, and the depth of the fan

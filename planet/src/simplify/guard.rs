@@ -13,6 +13,7 @@ use super::mesh::{next, previous, NONE};
 use super::samples::{area, Sample};
 use super::star::LEAST_AREA;
 use super::surface::Surface;
+use super::sweep::Sweep;
 use crate::border::ROUNDING;
 
 /// A patch between two collapses.
@@ -70,6 +71,9 @@ pub struct Guard {
     star: Vec<(u32, u32)>,
     below: Vec<u32>,
     fan: Fan,
+    /// Off the line, the corners of the fan.
+    rim: Vec<u32>,
+    sweep: Sweep,
     passed: Vec<u32>,
 }
 
@@ -119,12 +123,21 @@ impl Guard {
         if limit < 0.0 {
             return false;
         }
+        let target = patch.rules.target[b as usize];
+        let error = |s: u32, own: f64, depth: f64| patch.surface.radial_error(s, own, depth);
+        let samples = &patch.decimator.samples;
+        if self.rim.iter().any(|&z| samples.edge_error(target, z, error) > limit) {
+            return false;
+        }
+        let [end, start] = [target, b].map(|x| patch.sample(x));
+        self.sweep.start(&end);
+        self.rim.iter().for_each(|&z| self.sweep.push(&end, &start, &patch.sample(z)));
         self.below.push(v);
         patch.samples_below_star(v, &mut self.below);
         self.below.chunks(LANES).all(|numbers| self.is_within(patch, numbers, limit))
     }
 
-    /// Whether the fan keeps to an error at those of up to eight samples that it covers.
+    /// Whether the fan keeps to an error at those of up to eight samples that it covers, and while b slides to its target.
     fn is_within(&self, patch: &Patch, numbers: &[u32], limit: f64) -> bool {
         let [mut x, mut y, mut q] = [Doubles::splat(0.0); 3];
         for (lane, &s) in numbers.iter().enumerate() {
@@ -132,8 +145,10 @@ impl Guard {
             (x.0[lane], y.0[lane], q.0[lane]) = (sample.x, sample.y, sample.q);
         }
         let (inside, depth) = self.fan.cover(x, y);
+        let [low, high] = self.sweep.range(x, y, q);
         let within = |(lane, &s): (usize, &u32)| {
-            inside.0[lane] < -SLACK || patch.surface.radial_error(s, q.0[lane], depth.0[lane]) <= limit
+            let keeps = |depth: Doubles| patch.surface.radial_error(s, q.0[lane], depth.0[lane]) <= limit;
+            (inside.0[lane] < -SLACK || keeps(depth)) && keeps(low) && keeps(high)
         };
         numbers.iter().enumerate().all(within)
     }
@@ -147,6 +162,7 @@ impl Guard {
         let mut longest = patch.surface.distance(b, target).max(patch.surface.distance(b, other));
         let mut closing = (i64::MIN, NONE);
         self.below.clear();
+        self.rim.clear();
         self.fan.start(&patch.sample(target));
         for i in 1 - line.step..line.step {
             let w = line.vertex(i);
@@ -162,6 +178,9 @@ impl Guard {
             for &(x, y) in &self.star {
                 for z in [x, y].into_iter().filter(|&z| !on_line(z)) {
                     longest = longest.max(patch.surface.distance(b, z));
+                    if self.rim.last() != Some(&z) {
+                        self.rim.push(z);
+                    }
                 }
                 match (on_line(x), on_line(y)) {
                     (false, false) => {

@@ -82,6 +82,13 @@ struct Spoke {
     slope: [f32; 2],
 }
 
+/// The neighbours in a ring that a collapse into its vertex `p` joins to `p` by a new edge: all but those beside `p`.
+pub(super) fn opposite(ring: &[u32], p: u32) -> impl Iterator<Item = u32> + '_ {
+    let at = ring.iter().position(|&r| r == p);
+    let steps = move |k: usize| at.map_or(0, |at| k.abs_diff(at));
+    ring.iter().enumerate().filter(move |&(k, _)| steps(k) > 1 && steps(k) != ring.len() - 1).map(|(_, &r)| r)
+}
+
 /// A gathered star. Reused, so that nothing is allocated between collapses.
 #[derive(Default)]
 pub struct Star {

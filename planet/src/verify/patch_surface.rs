@@ -1,23 +1,24 @@
-//! The triangles of one patch, to be hit by rays: found by obvhs, decided in f64 on exact lattice corners.
+//! The triangles of one patch, to be hit by rays: found by obvhs, decided in f64 on exact corners.
 
 use super::box_tree::{BoxTree, Ray};
 use crate::lattice::{Lattice, LatticeBox};
 use crate::layout::PatchVertex;
 use crate::progressive::PatchMesh;
+use crate::reference::place::exact_place;
 use crate::simplify::mesh::grid_triangles;
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use std::sync::Arc;
 
 /// Grid cells along a side of a group: all triangles of a group share one box, which keeps full grids small in memory.
 const GROUP: u32 = 4;
 
-/// Rounding error of how far a ray turns about an edge, relative to the squared distance of the edge from the ray's origin.
-const TURN_ROUNDING: f64 = 4.0 * f64::EPSILON;
+/// By how much rounding may move a ray aside, relative to the distance from its origin.
+const RAY_ROUNDING: f64 = 8.0 * f64::EPSILON;
 
-/// Triangles of one patch.
-pub struct PatchSurface {
+/// Triangles of one patch, with corners on the lattice or between its points.
+pub struct PatchSurface<P = IVec3> {
     /// Exact corners; those of a full grid by grid number.
-    pub positions: Vec<IVec3>,
+    pub positions: Vec<P>,
     triangles: Arc<[[u32; 3]]>,
     group: usize,
     boxes: BoxTree,
@@ -45,17 +46,25 @@ impl PatchSurface {
         }
         PatchSurface::new(positions, triangles.clone(), (2 * GROUP * GROUP) as usize)
     }
+}
 
-    /// Drawn triangles of a patch, as places in `vertices`.
-    pub fn of_drawn(vertices: &[PatchVertex], triangles: &[[u32; 3]]) -> PatchSurface {
-        let positions = vertices.iter().map(|v| IVec3::from_array(v.position)).collect();
+impl PatchSurface<DVec3> {
+    /// Drawn triangles of a patch, as places in `vertices`. `morph` holds the weights of as many vertices as triangles use.
+    pub fn of_drawn(vertices: &[PatchVertex], morph: &[f32], triangles: &[[u32; 3]]) -> Self {
+        let positions = (0u32..).zip(morph).map(|(v, &weight)| exact_place(vertices, v, weight)).collect();
         PatchSurface::new(positions, triangles.into(), 1)
     }
+}
 
-    fn new(positions: Vec<IVec3>, triangles: Arc<[[u32; 3]]>, group: usize) -> PatchSurface {
+impl<P: Copy + Into<DVec3>> PatchSurface<P> {
+    fn new(positions: Vec<P>, triangles: Arc<[[u32; 3]]>, group: usize) -> Self {
         let around = |group: &[[u32; 3]]| {
             let mut bounds = LatticeBox::EMPTY;
-            group.iter().flatten().for_each(|&v| bounds.include(positions[v as usize]));
+            for &v in group.iter().flatten() {
+                let place: DVec3 = positions[v as usize].into();
+                bounds.include(place.floor().as_ivec3());
+                bounds.include(place.ceil().as_ivec3());
+            }
             bounds
         };
         let boxes: Vec<LatticeBox> = triangles.chunks(group).map(around).collect();
@@ -74,17 +83,19 @@ impl PatchSurface {
     }
 
     /// The ray turns the same way about the three edges of a triangle that it passes. Through a vertex it turns about several
-    /// edges by less than f64 can tell: what may be a hit is one, so that no ray slips between triangles.
+    /// edges by less than f64 can tell: what may be a hit is one, so that no ray slips between triangles. Corners are taken relative
+    /// to a point of the ray beside them: relative to a distant origin a ray could not be told from one several lattice units aside.
     fn distance(&self, ray: &Ray, triangle: &[u32; 3]) -> Option<f64> {
-        let [a, b, c] = triangle.map(|v| self.positions[v as usize].as_dvec3() - ray.origin);
+        let far = triangle.map(|v| self.positions[v as usize].into() - ray.origin);
+        let along = far.map(|corner| ray.direction.dot(corner));
+        let [a, b, c] = far.map(|corner| corner - ray.direction * along[0]);
         let [u, v, w] = [(b, c), (c, a), (a, b)].map(|(p, q)| ray.direction.dot(p.cross(q)));
-        let slack = TURN_ROUNDING * a.length_squared().max(b.length_squared()).max(c.length_squared());
+        let slack = RAY_ROUNDING * far[0].length() * a.length().max(b.length()).max(c.length());
         if u.min(v).min(w) < -slack && u.max(v).max(w) > slack {
             return None;
         }
-        let along = [a, b, c].map(|corner| ray.direction.dot(corner));
         let normal = (b - a).cross(c - a);
-        let distance = normal.dot(a) / normal.dot(ray.direction);
+        let distance = along[0] + normal.dot(a) / normal.dot(ray.direction);
         // A triangle seen edge-on has no one distance, but none beyond its corners'.
         let [nearest, farthest] = [along.into_iter().fold(f64::MAX, f64::min), along.into_iter().fold(f64::MIN, f64::max)];
         Some(distance.clamp(nearest, farthest)).filter(|distance| *distance >= 0.0)
@@ -94,7 +105,6 @@ impl PatchSurface {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     fn vertex(position: [i32; 3]) -> PatchVertex {
         PatchVertex { position, ..Default::default() }
@@ -104,13 +114,25 @@ mod tests {
     fn heights_of_a_triangle_far_from_the_centre_are_exact() {
         let far = 1 << 30;
         let vertices = [[far, 0, 0], [far, 900, 0], [far + 300, 0, 900]].map(vertex);
-        let surface = PatchSurface::of_drawn(&vertices, &[[0, 1, 2]]);
+        let surface = PatchSurface::of_drawn(&vertices, &[0.0; 3], &[[0, 1, 2]]);
         let through = DVec3::new(f64::from(far) + 100.0, 300.0, 300.0);
         let found = surface.nearest(&Ray::radial(through)).unwrap();
         assert!((found - through.length()).abs() < 1e-5, "{}", found - through.length());
         assert_eq!(surface.nearest(&Ray::radial(DVec3::new(f64::from(far), 500.0, 500.0))), None);
         let down = Ray { origin: through + DVec3::X * 5000.0, direction: -DVec3::X };
         assert!((surface.nearest(&down).unwrap() - 5000.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn triangles_beside_a_ray_are_not_met() {
+        // Two walls of a valley, a cell of 77 lattice units wide: a ray two units beside its floor meets the near wall only.
+        let far = 1 << 30;
+        let corners = [[far + 60, -77, 0], [far, 0, 0], [far, 0, 77], [far + 60, 77, 0]];
+        let surface = PatchSurface::of_drawn(&corners.map(vertex), &[0.0; 4], &[[0, 1, 2], [1, 3, 2]]);
+        for aside in [-2.0, 2.0] {
+            let found = surface.nearest(&Ray::radial(DVec3::new(f64::from(far), aside, 10.0))).unwrap();
+            assert!((found - f64::from(far) - 2.0 * 60.0 / 77.0).abs() < 1e-3, "{}", found - f64::from(far));
+        }
     }
 
     #[test]

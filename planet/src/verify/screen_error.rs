@@ -3,7 +3,7 @@
 //! In: a view, the triangles drawn in it, the finest surface. Out: readings in pixels, those of patches beside missing data
 //! apart. The judge shares nothing with the builder but the file: it knows triangles and lattice positions only.
 //!
-//! Measured are the hits of camera rays through random pixels, every sleeping vertex of the drawn patches, and samples of
+//! Measured are the hits of camera rays through random pixels, every vertex of the drawn patches that sleeps or slides, and samples of
 //! finer resident patches than the drawn ones; of both, those inside the frustum that the planet's horizon does not hide
 //! (hills hide nothing: stricter than what is seen). Through each place a ray from the planet's centre meets both surfaces;
 //! their distance over that of the nearer one to the camera is the error, in radians and then in pixels of the
@@ -18,7 +18,6 @@ use crate::lattice::LatticeBox;
 use crate::layout::PatchVertex;
 use crate::patch::PatchId;
 use crate::reference::cut::{beside_coarser, is_visible, Leaf};
-use crate::reference::resolve::bit;
 use crate::store::StoreError;
 use crate::tree::PatchTree;
 use crate::view::View;
@@ -31,7 +30,7 @@ const PIXELS_A_TASK: usize = 512;
 /// Samples taken of a finer patch.
 const SAMPLES_A_PATCH: usize = 256;
 
-/// How much to measure beyond the sleeping vertices.
+/// How much to measure beyond the vertices that sleep or slide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
     /// Camera rays a view.
@@ -42,14 +41,14 @@ pub struct Effort {
     pub seed: u64,
 }
 
-/// One drawn patch: its vertices, which of them are awake, and the triangles drawn, without culling.
+/// One drawn patch: its vertices, how far they are on their ways, and the triangles drawn, without culling.
 pub struct Drawn<'a> {
     /// The patch.
     pub leaf: Leaf,
     /// All vertices in wake order.
     pub vertices: &'a [PatchVertex],
-    /// Awake bits of a prefix of them; the others sleep.
-    pub awake: &'a [u32],
+    /// Morph weights of a prefix of them, 1 for sleeping ones; the others sleep.
+    pub morph: &'a [f32],
     /// Triangles, as places in `vertices`.
     pub triangles: &'a [[u32; 3]],
 }
@@ -90,7 +89,7 @@ pub fn measure(
     finest: &FinestSurface,
     effort: Effort,
 ) -> Result<ScreenError, StoreError> {
-    let surfaces: Vec<PatchSurface> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.triangles)).collect();
+    let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.morph, d.triangles)).collect();
     let boxes: Vec<LatticeBox> = surfaces.iter().map(|surface| surface.bounds).collect();
     let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, node));
     let at_rim = |d: &Drawn| beside_coarser(&d.leaf, &|coarser| finest.ends_at(coarser));
@@ -117,7 +116,7 @@ struct Judge<'a, 'f> {
     tree: &'a PatchTree,
     drawn: &'a [Drawn<'a>],
     finest: &'a FinestSurface<'f>,
-    surfaces: Vec<PatchSurface>,
+    surfaces: Vec<PatchSurface<DVec3>>,
     boxes: BoxTree,
     /// Drawn patches of which something may be in view.
     visible: Vec<usize>,
@@ -126,11 +125,11 @@ struct Judge<'a, 'f> {
 }
 
 impl Judge<'_, '_> {
-    /// Every sleeping vertex of a drawn patch: the finest surface has it, or one that deviates from it as it does there.
+    /// Every vertex of a drawn patch that is not in its place: the finest surface has it, or one that deviates from it as it does there.
     fn sleepers(&self, k: usize) -> ScreenError {
-        let Drawn { vertices, awake, .. } = &self.drawn[k];
-        let asleep = |&v: &usize| v >= awake.len() * 32 || !bit(awake, v as u32);
-        let places = (0..vertices.len()).filter(asleep).map(|v| IVec3::from_array(vertices[v].position));
+        let Drawn { vertices, morph, .. } = &self.drawn[k];
+        let away = |&v: &usize| morph.get(v) != Some(&0.0);
+        let places = (0..vertices.len()).filter(away).map(|v| IVec3::from_array(vertices[v].position));
         self.samples(k, Probe::Sleeper, places)
     }
 

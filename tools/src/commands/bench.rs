@@ -1,7 +1,7 @@
 //! `terrane bench`: what the frames of a camera path cost.
 
 use super::paths::load_path;
-use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions};
+use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
@@ -44,6 +44,8 @@ pub(crate) struct Bench {
     /// Largest error of the mesh in pixels.
     #[arg(long, value_name = "PX", default_value_t = 1.0)]
     error: f64,
+    #[command(flatten)]
+    mesh: MeshOptions,
     #[command(flatten)]
     look: LookOptions,
     #[command(flatten)]
@@ -88,7 +90,7 @@ impl Run for Bench {
 impl Bench {
     fn measure(&self, scene: &mut Scene, headless: &mut Headless, stand: &Keyframe) -> anyhow::Result<FrameCost> {
         let camera = camera_over(scene.planet(), stand, self.size);
-        let view = View::new(camera, scene.lattice(), scene.planet().cells, self.error);
+        let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.error));
         let look = self.look.look(direction_at(stand.latitude, stand.longitude));
         Ok(measure_frame(scene, headless, &view, &look)?)
     }
@@ -104,6 +106,7 @@ impl Bench {
             "device": device.name, "driver": device.driver, "driver_info": device.driver_info,
             "commit": env!("TERRANE_COMMIT"), "version": env!("CARGO_PKG_VERSION"),
             "planet": self.file, "path": self.path, "size": self.size, "tolerance_px": self.error,
+            "geomorphs": self.mesh.geomorphs(),
             "frames": self.frames, "warmup": self.warmup, "summary": percentiles,
             "rows": rows.iter().map(|(stand, cost)| row(stand, cost)).collect::<Vec<_>>(),
         })
@@ -172,10 +175,11 @@ fn print_table(summary: &[Line], device: &GpuInfo, bench: &Bench) {
     let [width, height] = bench.size;
     println!("{} ({} {})", device.name, device.driver, device.driver_info);
     println!(
-        "{} frames of {} at {width}x{height}, {} px, commit {}",
+        "{} frames of {} at {width}x{height}, {} px{}, commit {}",
         bench.frames,
         bench.path.display(),
         bench.error,
+        if bench.mesh.geomorphs() { "" } else { ", no geomorphs" },
         env!("TERRANE_COMMIT")
     );
     println!("{:<20} {:>12} {:>12} {:>12} {:>12}", "", "p50", "p95", "p99", "max");

@@ -1,6 +1,6 @@
 //! `terrane shot`: one still picture.
 
-use super::viewing::{CameraOptions, GpuOptions, LookOptions};
+use super::viewing::{CameraOptions, GpuOptions, LookOptions, MeshOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
@@ -20,6 +20,8 @@ pub(crate) struct Shot {
     #[command(flatten)]
     camera: CameraOptions,
     #[command(flatten)]
+    mesh: MeshOptions,
+    #[command(flatten)]
     look: LookOptions,
     /// PNG to write.
     #[arg(long)]
@@ -37,7 +39,7 @@ impl Run for Shot {
         let context = self.gpu.context()?;
         let mut scene = Scene::open(&context, &self.file, SceneOptions::default())?;
         let camera = self.camera.camera(scene.planet())?;
-        let view = View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error);
+        let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error));
         let look = self.look.look(self.camera.place());
         let cut = scene.settle(&view)?;
         let [width, height] = camera.size;

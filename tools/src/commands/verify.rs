@@ -1,6 +1,6 @@
 //! `terrane verify`: random views of a planet on the GPU, against the CPU and the invariants; and their screen error, with rays.
 
-use super::viewing::GpuOptions;
+use super::viewing::{GpuOptions, MeshOptions};
 use super::Run;
 use crate::Outcome;
 use anyhow::{bail, ensure};
@@ -43,6 +43,8 @@ pub(crate) struct Verify {
     #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
     rays: u32,
     #[command(flatten)]
+    mesh: MeshOptions,
+    #[command(flatten)]
     gpu: GpuOptions,
     /// Print one JSON object.
     #[arg(long)]
@@ -61,6 +63,7 @@ impl Run for Verify {
         let mut headless = Headless::new(&context, SIZE)?;
         let mut verifier = Verifier::new(&self.file, &scene)?;
         let views = random_views(&scene, self.seed, self.views as usize, &self.error);
+        let views: Vec<View> = views.into_iter().map(|view| self.mesh.apply(view)).collect();
         let progress = Progress::new(views.len());
         let (mut report, mut errors) = (VerifyReport::default(), ScreenErrors::default());
         for (k, view) in views.iter().enumerate() {
@@ -103,7 +106,7 @@ fn summary(r: &VerifyReport, errors: &ScreenErrors, gpu: &GpuInfo, seconds: f64)
         "flipped_uncertified": r.faults_uncertified.flipped, "degenerate_uncertified": r.faults_uncertified.degenerate,
         "closure_violations_uncertified": r.faults_uncertified.closure_violations,
         "broken_hierarchies": r.broken_hierarchies, "dropped_triangles": r.dropped, "gpu_cpu_mismatches": m.total(),
-        "mismatches": { "patches": m.patches, "awake": m.awake, "resolved": m.resolved, "triangles": m.triangles,
+        "mismatches": { "patches": m.patches, "awake": m.awake, "morph": m.morph, "resolved": m.resolved, "triangles": m.triangles,
             "culled_triangles": m.culled_triangles, "counters": m.counters },
         "tolerance_px": worst.map(|t| t.tolerance), "screen_error_px": worst.map(|t| percentiles(&t.certified.readings)),
         "screen_errors": errors.by_tolerance.iter().map(tolerance).collect::<Vec<_>>(),

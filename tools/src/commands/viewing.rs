@@ -9,7 +9,7 @@ use terrane_planet::camera_path::Keyframe;
 use terrane_planet::layout::Mode;
 use terrane_planet::planet::Planet;
 use terrane_planet::sphere::direction_at;
-use terrane_planet::view::{Camera, TOLERANCE_RANGE};
+use terrane_planet::view::{Camera, View, TOLERANCE_RANGE};
 
 /// Largest side of a picture in pixels (the smallest limit that Vulkan guarantees is 4,096; most devices allow this).
 const LARGEST_SIDE: u32 = 16_384;
@@ -125,6 +125,30 @@ fn default_pitch(radius: f64, altitude: f64, fov: f64) -> f64 {
         -90.0
     } else {
         -(dip + fov * 0.2).min(90.0)
+    }
+}
+
+/// How the mesh follows the view.
+#[derive(clap::Args, Clone, Copy)]
+pub(crate) struct MeshOptions {
+    /// Let vertices jump into their places when they wake, instead of sliding there.
+    #[arg(long)]
+    no_geomorphs: bool,
+}
+
+impl MeshOptions {
+    /// Whether vertices slide into their places.
+    pub(crate) fn geomorphs(self) -> bool {
+        !self.no_geomorphs
+    }
+
+    /// A view as these options want it.
+    pub(crate) fn apply(self, view: View) -> View {
+        if self.no_geomorphs {
+            view.without_geomorphs()
+        } else {
+            view
+        }
     }
 }
 

@@ -65,8 +65,8 @@ pub(crate) fn count_probes(stands: &[Stand]) -> usize {
 /// Makes the variants of a family.
 pub(crate) type Family = fn(&Setting) -> Result<Vec<Box<dyn Method>>, StoreError>;
 
-/// All families, ours first.
-pub(crate) const FAMILIES: [Family; 4] = [ours, cdlod, rtin, clusters];
+/// All families, what we draw first.
+pub(crate) const FAMILIES: [Family; 5] = [ours, ours_still, cdlod, rtin, clusters];
 
 fn boxed<M: Method + 'static>(methods: Vec<M>) -> Vec<Box<dyn Method>> {
     methods.into_iter().map(|method| Box::new(method) as Box<dyn Method>).collect()
@@ -74,6 +74,10 @@ fn boxed<M: Method + 'static>(methods: Vec<M>) -> Vec<Box<dyn Method>> {
 
 fn ours(_: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {
     Ok(boxed(vec![Ours::new()]))
+}
+
+fn ours_still(_: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {
+    Ok(boxed(vec![Ours::new().without_geomorphs()]))
 }
 
 fn cdlod(setting: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {

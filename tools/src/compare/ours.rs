@@ -3,40 +3,58 @@
 use super::setting::{CutRule, PatchCache, Setting};
 use super::sheet::Sheet;
 use super::Method;
-use glam::IVec3;
+use std::sync::Arc;
 use terrane_planet::layout::PatchVertex;
 use terrane_planet::patch::PatchId;
 use terrane_planet::reference::cut::distance_to_box;
-use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
+use terrane_planet::reference::place::exact_place;
+use terrane_planet::reference::select::{select, Selected};
+use terrane_planet::reference::{emit::emit, resolve::resolve};
 use terrane_planet::store::StoreError;
 use terrane_planet::verify::LoadedPatch;
 use terrane_planet::view::{Camera, View};
 
 /// Wake distances; the knob is the tolerance.
 pub(crate) struct Ours {
-    patches: PatchCache<LoadedPatch>,
+    patches: Arc<PatchCache<LoadedPatch>>,
+    geomorphs: bool,
+}
+
+/// The triangles of one patch.
+pub(crate) struct Drawn<'a> {
+    pub(crate) id: PatchId,
+    pub(crate) vertices: &'a [PatchVertex],
+    pub(crate) morph: &'a [f32],
+    pub(crate) triangles: &'a [[u32; 3]],
+}
+
+impl Drawn<'_> {
+    /// Adds it to what is measured.
+    pub(crate) fn measure(&self, sheet: &mut Sheet) {
+        sheet.add(self.id.face, self.vertices.len(), |v| exact_place(self.vertices, v, self.morph[v as usize]), self.triangles);
+    }
 }
 
 impl Ours {
-    /// Without any patch yet.
+    /// With geomorphs, as the run time draws, and without any patch yet.
     pub(crate) fn new() -> Ours {
-        Ours { patches: PatchCache::new() }
+        Ours { patches: Arc::new(PatchCache::new()), geomorphs: true }
     }
 
-    /// Vertices and triangles of every patch that may be in view.
-    pub(crate) fn patches(
-        &self,
-        setting: &Setting,
-        view: &View,
-        mut drawn: impl FnMut(PatchId, &[PatchVertex], &[[u32; 3]]),
-    ) -> Result<(), StoreError> {
+    /// The same with every awake vertex in its own place.
+    pub(crate) fn without_geomorphs(&self) -> Ours {
+        Ours { patches: self.patches.clone(), geomorphs: false }
+    }
+
+    /// Calls back with every patch that may be in view.
+    pub(crate) fn patches(&self, setting: &Setting, view: &View, mut drawn: impl FnMut(&Drawn)) -> Result<(), StoreError> {
         for leaf in setting.visible_leaves(view, CutRule::AsDrawn) {
             let patch = self.patches.get(leaf.id, || Ok(LoadedPatch::new(setting.read(leaf.id)?, &setting.tree.lattice)))?;
-            let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+            let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
             let vertices = &patch.vertices[..level.vertices as usize];
-            let awake = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-            let triangles = emit(&view.gpu, vertices, patch.triangles(level), &resolve(vertices, &awake));
-            drawn(leaf.id, vertices, &triangles);
+            let Selected { awake, morph } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+            let triangles = emit(&view.gpu, vertices, patch.triangles(level), &resolve(vertices, &awake), &morph);
+            drawn(&Drawn { id: leaf.id, vertices, morph: &morph, triangles: &triangles });
         }
         Ok(())
     }
@@ -48,13 +66,12 @@ impl Method for Ours {
     }
 
     fn variant(&self) -> String {
-        "wake distances".into()
+        if self.geomorphs { "with geomorphs" } else { "without geomorphs" }.into()
     }
 
     fn draw(&self, setting: &Setting, camera: &Camera, knob: f64, sheet: &mut Sheet) -> Result<(), StoreError> {
-        self.patches(setting, &setting.view(camera, knob), |id, vertices, triangles| {
-            let position = |v: u32| IVec3::from_array(vertices[v as usize].position).as_dvec3();
-            sheet.add(id.face, vertices.len(), position, triangles);
-        })
+        let view = setting.view(camera, knob);
+        let view = if self.geomorphs { view } else { view.without_geomorphs() };
+        self.patches(setting, &view, |drawn| drawn.measure(sheet))
     }
 }

@@ -85,8 +85,9 @@ impl<'a> Chooser<'a> {
     /// Directions from the planet's centre in which rays through random pixels meet our surface.
     fn pixels(&self, view: &View, seed: u64) -> Result<Vec<DVec3>, StoreError> {
         let mut surfaces = Vec::new();
-        self.ours
-            .patches(self.setting, view, |_, vertices, triangles| surfaces.push(PatchSurface::of_drawn(vertices, triangles)))?;
+        self.ours.patches(self.setting, view, |drawn| {
+            surfaces.push(PatchSurface::of_drawn(drawn.vertices, drawn.morph, drawn.triangles));
+        })?;
         let mut random = Random::new(seed);
         let (camera, (h, v)) = (&view.camera, view.camera.half_extents());
         let mut ray = || {

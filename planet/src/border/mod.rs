@@ -4,10 +4,13 @@
 //! row to either side (TRIALS section 3), in the direction of growing cube coordinates, so every patch that touches the
 //! line, on this face or the next, computes the same bits.
 
+mod strip;
+
 use crate::ground::{Ground, SurfacePoint};
 use crate::patch::{PatchId, Side};
 use crate::sphere::{CubePoint, ONE};
 use crate::wake::{asked, Wake};
+use strip::Strip;
 
 /// Lattice units by which a drawn point may lie off its ideal place, because vertices are rounded to the lattice. Part of
 /// every measured error.
@@ -71,10 +74,18 @@ impl BorderLine {
         [row(CubePoint::ZERO), row(below), row(above)]
     }
 
+    /// The strips between the line and the rows of [`BorderLine::sample`], each on the face that holds it.
+    fn strips(&self, [line, below, above]: &[Vec<SurfacePoint>; 3]) -> [Strip; 2] {
+        let offsets = self.row_offsets(1);
+        let faces = [0, 1].map(|k| (0..3).find(|&axis| axis != self.axis && offsets[k][axis] == 0).unwrap_or_default());
+        [Strip::new(line, below, self.axis, faces[0]), Strip::new(line, above, self.axis, faces[1])]
+    }
+
     /// Canonical wakes `W` of the line's first `count` cells at a level. The two ends are always awake.
     pub fn canonical_wakes(&self, ground: &Ground, level: u8, count: usize, kappa: f64) -> Vec<Wake> {
         let rows = self.sample(ground, level, count);
-        wakes_of_rows(&rows, kappa)
+        let strips = self.strips(&rows);
+        wakes_of_rows(&rows, &strips, self.first_index(ground, level), kappa)
     }
 
     /// `V = max(W of this level, W of the next finer level)`: the wakes that both levels of patches along the line agree on. In: the
@@ -101,7 +112,12 @@ pub fn targets(k: i64) -> (i64, i64) {
     }
 }
 
-fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], kappa: f64) -> Vec<Wake> {
+/// Samples of the next row, to either side of a border vertex, that its fan may reach when it collapses at a step.
+fn window(step: usize) -> usize {
+    step / 3 + 1
+}
+
+fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], strips: &[Strip; 2], first: i64, kappa: f64) -> Vec<Wake> {
     let line = &rows[0];
     let cells = line.len() - 1;
     let mut wanted = vec![0.0f64; cells + 1];
@@ -110,7 +126,10 @@ fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], kappa: f64) -> Vec<Wake> {
     while step < cells {
         for b in (step..cells).step_by(2 * step) {
             let (a, c) = (b - step, b + step);
-            let error = chord_error(line, a, c) + ROUNDING + CHORD_SLACK;
+            let target = (targets(first + b as i64).0 - first) as usize;
+            let rim = b - window(step).min(b)..=(b + window(step)).min(cells);
+            let fans = strips.iter().map(|s| s.fan_error(target, rim.clone())).fold(0.0, f64::max);
+            let error = chord_error(line, a, c).max(fans) + ROUNDING + CHORD_SLACK;
             let raw = error / kappa + reach(rows, b, step);
             wakes[b] = Wake::round_up(wanted[b].max(raw));
             for x in [a, c] {
@@ -142,7 +161,7 @@ fn chord_error(line: &[SurfacePoint], a: usize, c: usize) -> f64 {
 /// the next row within a third of the step.
 fn reach(rows: &[Vec<SurfacePoint>; 3], b: usize, step: usize) -> f64 {
     let line = &rows[0];
-    let window = step / 3 + 1;
+    let window = window(step);
     let near = rows
         .iter()
         .flat_map(|row| &row[b.saturating_sub(window)..=(b + window).min(line.len() - 1)])
@@ -174,9 +193,13 @@ mod tests {
     #[test]
     fn a_bump_wakes_the_samples_around_it() {
         let mut rows = [0, 1, 2].map(|r| (0..=16).map(|i| at(f64::from(i), f64::from(r), 1e6)).collect::<Vec<_>>());
-        let flat = wakes_of_rows(&rows, 0.003);
+        let wakes = |rows: &[Vec<SurfacePoint>; 3]| {
+            let strips = [1, 2].map(|k| Strip::new(&rows[0], &rows[k], 0, 2));
+            wakes_of_rows(rows, &strips, 0, 0.003)
+        };
+        let flat = wakes(&rows);
         rows[0][5] = at(5.0, 0.0, 1e6 + 3.0);
-        let bumped = wakes_of_rows(&rows, 0.003);
+        let bumped = wakes(&rows);
         assert!(bumped[5] > flat[5] && bumped[4] > flat[4] && bumped[8] > flat[8]);
         assert_eq!(bumped[0], Wake::ALWAYS);
         assert_eq!(bumped[13], flat[13]);
