@@ -165,7 +165,7 @@ pub(crate) fn best(
     progress: &mut dyn FnMut(&Measured),
 ) -> Result<Option<Measured>, StoreError> {
     let all: Vec<&Stand> = stands.iter().collect();
-    let some: Vec<&Stand> = stands.iter().skip(CHOOSING / 2).step_by(CHOOSING).collect();
+    let some: Vec<&Stand> = stands.iter().skip((CHOOSING / 2).min(stands.len() / 2)).step_by(CHOOSING).collect();
     let mut aim = Aim { equal, target, first: target, most: f64::INFINITY };
     let mut chosen = &methods[0];
     for method in methods.iter().filter(|_| methods.len() > 1) {
