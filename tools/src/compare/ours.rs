@@ -18,6 +18,9 @@ use terrane_planet::view::{Camera, View};
 pub(crate) struct Ours {
     patches: Arc<PatchCache<LoadedPatch>>,
     geomorphs: bool,
+    rule: CutRule,
+    /// Tolerance of the cut over the knob.
+    cut: f64,
 }
 
 /// The triangles of one patch.
@@ -38,17 +41,24 @@ impl Drawn<'_> {
 impl Ours {
     /// With geomorphs, as the run time draws, and without any patch yet.
     pub(crate) fn new() -> Ours {
-        Ours { patches: Arc::new(PatchCache::new()), geomorphs: true }
+        Ours { patches: Arc::new(PatchCache::new()), geomorphs: true, rule: CutRule::AsDrawn, cut: 1.0 }
     }
 
     /// The same with every awake vertex in its own place.
     pub(crate) fn without_geomorphs(&self) -> Ours {
-        Ours { patches: self.patches.clone(), geomorphs: false }
+        Ours { patches: self.patches.clone(), geomorphs: false, ..*self }
+    }
+
+    /// The same over the patches that a rule asks for with `cut` times the knob as tolerance, at most 1: with finer patches than
+    /// they must be, surfaces stay closed and certified.
+    pub(crate) fn with_cut(&self, (rule, cut): (CutRule, f64)) -> Ours {
+        Ours { patches: self.patches.clone(), rule, cut, ..*self }
     }
 
     /// Calls back with every patch that may be in view.
     pub(crate) fn patches(&self, setting: &Setting, view: &View, mut drawn: impl FnMut(&Drawn)) -> Result<(), StoreError> {
-        for leaf in setting.visible_leaves(view, CutRule::AsDrawn) {
+        let finer = setting.view(&view.camera, self.cut * view.tolerance);
+        for leaf in setting.visible_leaves(&finer, self.rule) {
             let patch = self.patches.get(leaf.id, || Ok(LoadedPatch::new(setting.read(leaf.id)?, &setting.tree.lattice)))?;
             let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
             let vertices = &patch.vertices[..level.vertices as usize];
@@ -66,7 +76,8 @@ impl Method for Ours {
     }
 
     fn variant(&self) -> String {
-        if self.geomorphs { "with geomorphs" } else { "without geomorphs" }.into()
+        let geomorphs = if self.geomorphs { "with" } else { "without" };
+        format!("{geomorphs} geomorphs, {}", self.rule.describe(self.cut))
     }
 
     fn draw(&self, setting: &Setting, camera: &Camera, knob: f64, sheet: &mut Sheet) -> Result<(), StoreError> {

@@ -116,13 +116,13 @@ impl CutRule {
     /// In words, with `tolerance` times the knob as the cut's tolerance.
     pub(crate) fn describe(self, tolerance: f64) -> String {
         let rule = match self {
-            CutRule::AsDrawn => "our cut",
-            CutRule::Geometry => "cut for the error alone",
+            CutRule::AsDrawn => "the run time's cut",
+            CutRule::Geometry => "cut by error",
         };
         if tolerance == 1.0 {
             rule.into()
         } else {
-            format!("{rule} at {tolerance} times the tolerance")
+            format!("{rule}, tolerance × {tolerance}")
         }
     }
 }
