@@ -12,7 +12,7 @@ layout(scalar, binding = 2) readonly buffer Tasks { Task tasks[]; };
 layout(scalar, binding = 3) readonly buffer Resolved { uint resolved[]; };
 layout(scalar, binding = 4) writeonly buffer Indices { uint indices[]; };
 layout(scalar, binding = 5) buffer State { EmitState state; };
-layout(scalar, binding = 6) readonly buffer Morph { float morph[]; };
+layout(scalar, binding = 6) readonly buffer Places { DrawnVertex places[]; };
 
 layout(push_constant) uniform Push { uint task_count; };
 
@@ -34,16 +34,12 @@ bool faces_away(vec3 a, vec3 b, vec3 c) {
     return height > limit;
 }
 
-vec3 corner_place(Vertices vertices, uint weights, uint v) {
-    return drawn_place(vertices, v, morph[weights + v], view.anchor, view.offset);
-}
-
-// `weights` is where the patch's morph weights begin.
-bool is_culled(Vertices vertices, uint weights, uvec3 corners) {
+// `first` is where the patch's drawn vertices begin.
+bool is_culled(uint first, uvec3 corners) {
     if (view.culling == 0u) return false;
-    vec3 a = corner_place(vertices, weights, corners.x);
-    vec3 b = corner_place(vertices, weights, corners.y);
-    vec3 c = corner_place(vertices, weights, corners.z);
+    vec3 a = places[first + corners.x].place;
+    vec3 b = places[first + corners.y].place;
+    vec3 c = places[first + corners.z].place;
     if ((view.culling & CULL_FRUSTUM) != 0u) {
         for (int k = 0; k < 5; ++k) {
             if (beyond(a, view.planes[k]) && beyond(b, view.planes[k]) && beyond(c, view.planes[k])) return true;
@@ -57,7 +53,6 @@ void main() {
     if (number >= task_count) return;
     Task task = tasks[number];
     PatchDraw target = patches[task.patch_number];
-    Vertices vertices = Vertices(target.vertices);
     Triangles triangles = Triangles(target.triangles);
     for (uint k = 0u; k < EMIT_CHUNK / 64u; ++k) {
         uint t = task.first + k * 64u + gl_LocalInvocationID.x;
@@ -69,7 +64,7 @@ void main() {
             corners.y = resolved[target.resolve_offset + (packed.x >> 16u)];
             corners.z = resolved[target.resolve_offset + packed.y];
             keep = corners.x != corners.y && corners.y != corners.z && corners.z != corners.x
-                && !is_culled(vertices, target.resolve_offset, corners);
+                && !is_culled(target.resolve_offset, corners);
         }
         uvec4 kept = subgroupBallot(keep);
         uint base = 0u;

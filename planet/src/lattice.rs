@@ -79,6 +79,12 @@ impl LatticeBox {
     pub fn union(self, other: LatticeBox) -> LatticeBox {
         LatticeBox { low: self.low.min(other.low), high: self.high.max(other.high) }
     }
+
+    /// The box with so many lattice units more on every side.
+    pub fn widened(self, margin: i32) -> LatticeBox {
+        let margin = IVec3::splat(margin);
+        LatticeBox { low: self.low.saturating_sub(margin), high: self.high.saturating_add(margin) }
+    }
 }
 
 #[cfg(test)]

@@ -89,7 +89,7 @@ gpu_structs! {
         triangle_count: u32,
         /// First word of its awake bits.
         awake_offset: u32,
-        /// First entry of its resolved vertices, and of their morph weights.
+        /// First entry of its resolved and of its drawn vertices.
         resolve_offset: u32,
         /// Sides with a coarser neighbour, bits in order left, right, bottom, top.
         coarser_sides: u32,
@@ -107,6 +107,14 @@ gpu_structs! {
         texel_distance: f32,
         /// Cube axis that the face's first grid coordinate follows.
         grid_axis: [f32; 3],
+    }
+
+    /// Where a vertex is drawn. One that sleeps is not, and has its own place and a weight of 1 here.
+    DrawnVertex {
+        /// Lattice units from the eye of the view that it was selected in.
+        place: [f32; 3],
+        /// Morph weight: 0 in its own place, up to 1 in its parent's.
+        weight: f32,
     }
 
     /// A run of work of one workgroup: a patch and the first vertex or triangle in it.
@@ -137,6 +145,8 @@ gpu_structs! {
         morph_rate: f32,
         /// Grid cells along a patch side.
         cells: u32,
+        /// From the eye to the eye of the view that the drawn mesh was selected in; 0 unless the selection is frozen.
+        shift: [f32; 3],
         /// Metres in a lattice unit.
         unit: f32,
         /// Near plane in metres.
@@ -343,6 +353,7 @@ mod tests {
         let sizes = [
             size_of::<PatchVertex>(),
             size_of::<PatchDraw>(),
+            size_of::<DrawnVertex>(),
             size_of::<Task>(),
             size_of::<FrameView>(),
             size_of::<Shading>(),

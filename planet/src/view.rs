@@ -72,8 +72,8 @@ pub struct View {
     pub eye: DVec3,
     /// Tolerance in pixels.
     pub tolerance: f64,
-    /// s = κ₀/κ. Below 1 (coarse tolerances, wide fields of view, small pictures) the mesh is still watertight, but the error is
-    /// no longer certified.
+    /// s = κ₀/κ, at least 1: where the tolerance (in a wide field of view or a small picture) is coarser than meshes are certified for,
+    /// they are drawn as fine as they are certified.
     pub scale: f64,
     /// Vertices are awake within this times their wake: farther than `scale` by [`MORPH_REACH`], to slide; `scale` without geomorphs.
     pub reach: f64,
@@ -88,9 +88,9 @@ pub struct View {
 impl View {
     /// The view of a camera with a tolerance in pixels on a planet with patches of `cells` cells; with geomorphs.
     pub fn new(camera: Camera, lattice: &Lattice, cells: u32, tolerance: f64) -> View {
-        let scale = KAPPA / (tolerance * camera.pixel_angle());
+        let scale = (KAPPA / (tolerance * camera.pixel_angle())).max(1.0);
         let reach = MORPH_REACH * scale;
-        let falloff = (scale - 1.0).clamp(0.0, MOST_FALLOFF);
+        let falloff = (scale - 1.0).min(MOST_FALLOFF);
         let planes = frustum(&camera);
         let eye = camera.position / lattice.unit;
         let limit = f64::from(EXTENT - 1);
@@ -107,6 +107,7 @@ impl View {
             reach: reach as f32,
             morph_rate: (1.0 / (reach - scale)) as f32,
             cells,
+            shift: [0.0; 3],
             unit: lattice.unit as f32,
             near,
             clip: clip_matrix(&camera, near).to_cols_array_2d(),

@@ -184,7 +184,7 @@ fn a_view_has_the_triangles_of_the_twins() {
             let vertices = &patch.vertices[..level.vertices as usize];
             let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
             let resolved = resolve(vertices, &selected.awake);
-            let drawn = emit(&view.gpu, vertices, patch.triangles(level), &resolved, &selected.morph);
+            let drawn = emit(&view.gpu, patch.triangles(level), &resolved, &selected.places);
             corners.extend(drawn.iter().map(|t| t.map(|v| vertices[v as usize].position)));
         }
         let surface = tiny.surface(&view, false);

@@ -26,6 +26,11 @@ struct PatchDraw {
     vec3 grid_axis;
 };
 
+struct DrawnVertex {
+    vec3 place;
+    float weight;
+};
+
 struct Task {
     uint patch_number;
     uint first;
@@ -41,6 +46,7 @@ struct FrameView {
     float reach;
     float morph_rate;
     uint cells;
+    vec3 shift;
     float unit;
     float near;
     mat4 clip;

@@ -4,6 +4,7 @@
 //! small dispatches would cost more than the work itself (TRIALS section 4).
 
 use crate::scene::{ResidentPatch, Scene};
+use glam::DVec3;
 use terrane_planet::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_LAYER, RESOLVE_CHUNK, SELECT_CHUNK};
 use terrane_planet::reference::cut::{distance_to_box, is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
 use terrane_planet::view::View;
@@ -23,12 +24,14 @@ pub struct FrameTables {
     pub vertices: u32,
     /// Triangles that emission looks at.
     pub triangles: u32,
+    /// The eye that selection goes by, in lattice units.
+    pub eye: DVec3,
 }
 
 impl FrameTables {
     /// Tables of a view. `whole` keeps patches that the camera cannot see.
     pub fn new(scene: &Scene, view: &View, cut: &Cut, whole: bool) -> FrameTables {
-        let mut tables = FrameTables::default();
+        let mut tables = FrameTables { eye: view.eye, ..FrameTables::default() };
         for leaf in cut.leaves.iter().take(MAX_PATCHES as usize) {
             let (Some(node), Some(patch)) = (scene.tree().get(leaf.id), scene.resident(leaf.id)) else { continue };
             if whole || is_visible(scene.tree(), view, node) {

@@ -86,5 +86,5 @@ fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch) -> Vec<[u32; 3]> {
     let vertices = &patch.vertices[..level.vertices as usize];
     let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
     let resolved = resolve(vertices, &selected.awake);
-    emit(&view.gpu, vertices, patch.triangles(level), &resolved, &selected.morph)
+    emit(&view.gpu, patch.triangles(level), &resolved, &selected.places)
 }

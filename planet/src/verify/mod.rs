@@ -17,7 +17,7 @@ pub use screen_error::{is_in_view, measure, Drawn, Effort, ScreenError};
 pub use surface_check::{SurfaceCheck, SurfaceReport};
 
 use crate::lattice::Lattice;
-use crate::layout::PatchVertex;
+use crate::layout::{DrawnVertex, PatchVertex};
 use crate::progressive::{covering, replay, IndexLevel, IndexLevels, PatchMesh};
 use crate::reference::resolve::bit;
 use crate::wake::Wake;
@@ -88,13 +88,14 @@ impl Rings {
     }
 
     /// Number of pairs of an awake vertex and a member of its ring that is not in its own place: 0 when the awake set is closed.
-    /// `morph` holds the weights of a prefix, 1 for sleeping vertices; the others sleep.
-    pub fn violations(&self, awake: &[u32], morph: &[f32]) -> usize {
+    /// `awake` and `places` cover a prefix; the others sleep.
+    pub fn violations(&self, awake: &[u32], places: &[DrawnVertex]) -> usize {
+        let in_place = |r: u16| places.get(usize::from(r)).is_some_and(|drawn| drawn.weight == 0.0);
         let moved_in_ring = |v: usize| {
             let members = &self.members[self.start[v] as usize..self.start[v + 1] as usize];
-            members.iter().filter(|&&r| morph.get(usize::from(r)) != Some(&0.0)).count()
+            members.iter().filter(|&&r| !in_place(r)).count()
         };
-        let count = morph.len().min(self.start.len() - 1);
+        let count = places.len().min(self.start.len() - 1);
         (0..count).filter(|&v| bit(awake, v as u32)).map(moved_in_ring).sum()
     }
 }

@@ -1,6 +1,6 @@
 //! The screen error, measured with rays: how far what is drawn lies from the finest resident surface, as the camera sees it.
 //!
-//! In: a view, the triangles drawn in it, the finest surface. Out: readings in pixels, those of patches beside missing data
+//! In: a view, the triangles drawn in it, the finest surface. Out: readings in pixels, those of triangles beside missing data
 //! apart. The judge shares nothing with the builder but the file: it knows triangles and lattice positions only.
 //!
 //! Measured are the hits of camera rays through random pixels, every vertex of the drawn patches that sleeps or slides, and samples of
@@ -15,9 +15,10 @@ use super::finest::FinestSurface;
 use super::patch_surface::PatchSurface;
 use super::random_views::Random;
 use crate::lattice::LatticeBox;
-use crate::layout::PatchVertex;
+use crate::layout::{DrawnVertex, PatchVertex};
 use crate::patch::PatchId;
-use crate::reference::cut::{beside_coarser, is_visible, Leaf};
+use crate::reference::cut::{is_visible, sides_beside, Leaf};
+use crate::reference::select::on_sides;
 use crate::store::StoreError;
 use crate::tree::PatchTree;
 use crate::view::View;
@@ -47,8 +48,8 @@ pub struct Drawn<'a> {
     pub leaf: Leaf,
     /// All vertices in wake order.
     pub vertices: &'a [PatchVertex],
-    /// Morph weights of a prefix of them, 1 for sleeping ones; the others sleep.
-    pub morph: &'a [f32],
+    /// Where a prefix of them is drawn; the others sleep.
+    pub places: &'a [DrawnVertex],
     /// Triangles, as places in `vertices`.
     pub triangles: &'a [[u32; 3]],
 }
@@ -56,9 +57,10 @@ pub struct Drawn<'a> {
 /// What one view showed.
 #[derive(Clone, Debug, Default)]
 pub struct ScreenError {
-    /// Readings that the tolerance is promised for (where the view's scale is at least 1).
+    /// Readings that the tolerance is promised for.
     pub readings: ErrorReadings,
-    /// Readings of patches beside coarser ones whose children are missing: there closure breaks.
+    /// Readings on triangles that end on a side beside a coarser patch whose children are missing: vertices that only the finer
+    /// patch has must sleep there however near they are.
     pub at_data_rim: ErrorReadings,
     /// Places where one of the two surfaces was not met at all.
     pub missed: usize,
@@ -89,10 +91,10 @@ pub fn measure(
     finest: &FinestSurface,
     effort: Effort,
 ) -> Result<ScreenError, StoreError> {
-    let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.morph, d.triangles)).collect();
+    let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.places, d.triangles)).collect();
     let boxes: Vec<LatticeBox> = surfaces.iter().map(|surface| surface.bounds).collect();
     let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, node));
-    let at_rim = |d: &Drawn| beside_coarser(&d.leaf, &|coarser| finest.ends_at(coarser));
+    let rim_sides = |d: &Drawn| sides_beside(&d.leaf, &|coarser| finest.ends_at(coarser)).into();
     let judge = Judge {
         view,
         tree,
@@ -101,7 +103,7 @@ pub fn measure(
         boxes: BoxTree::new(&boxes),
         surfaces,
         visible: (0..drawn.len()).filter(|&k| seen(&drawn[k])).collect(),
-        at_rim: drawn.iter().map(at_rim).collect(),
+        rim_sides: drawn.iter().map(rim_sides).collect(),
     };
     let sleepers = judge.visible.par_iter().map(|&k| Ok(judge.sleepers(k)));
     let tasks = effort.pixels.div_ceil(PIXELS_A_TASK);
@@ -109,6 +111,16 @@ pub fn measure(
     let finer = judge.finer_patches(effort);
     let finer = finer.par_iter().map(|&(k, id, seed)| judge.finer_samples(k, id, Random::new(seed)));
     sleepers.chain(pixels).chain(finer).try_reduce(ScreenError::default, |a, b| Ok(a.merged(b)))
+}
+
+/// A drawn triangle on a ray.
+#[derive(Clone, Copy)]
+struct Hit {
+    distance: f64,
+    /// Number of its patch among those drawn.
+    k: usize,
+    /// `None` for a place on its border that its own triangles miss by a rounding.
+    triangle: Option<[u32; 3]>,
 }
 
 struct Judge<'a, 'f> {
@@ -120,15 +132,15 @@ struct Judge<'a, 'f> {
     boxes: BoxTree,
     /// Drawn patches of which something may be in view.
     visible: Vec<usize>,
-    /// Whether each drawn patch lies beside missing data.
-    at_rim: Vec<bool>,
+    /// The sides of each drawn patch beside missing data.
+    rim_sides: Vec<u32>,
 }
 
 impl Judge<'_, '_> {
     /// Every vertex of a drawn patch that is not in its place: the finest surface has it, or one that deviates from it as it does there.
     fn sleepers(&self, k: usize) -> ScreenError {
-        let Drawn { vertices, morph, .. } = &self.drawn[k];
-        let away = |&v: &usize| morph.get(v) != Some(&0.0);
+        let Drawn { vertices, places, .. } = &self.drawn[k];
+        let away = |&v: &usize| places.get(v).is_none_or(|drawn| drawn.weight > 0.0);
         let places = (0..vertices.len()).filter(away).map(|v| IVec3::from_array(vertices[v].position));
         self.samples(k, Probe::Sleeper, places)
     }
@@ -164,8 +176,11 @@ impl Judge<'_, '_> {
         for place in places.map(|p| p.as_dvec3()).filter(|&p| is_in_view(self.view, self.tree, p)) {
             let ray = Ray::radial(place);
             // A sample on a border may lie a rounding beyond it, over the neighbour.
-            let drawn = self.surfaces[k].nearest(&ray).or_else(|| self.hit(&ray).map(|(distance, _)| distance));
-            self.note(&mut error, k, probe, place, drawn, Some(place.length()));
+            let own =
+                self.surfaces[k].nearest_triangle(&ray).map(|(distance, triangle)| Hit { distance, k, triangle: Some(triangle) });
+            let hit = own.or_else(|| self.hit(&ray).map(|beyond| Hit { k, triangle: None, ..beyond }));
+            let drawn = hit.map(|hit| (hit.distance, hit));
+            self.note(&mut error, probe, place, drawn, Some(place.length()));
         }
         error
     }
@@ -177,28 +192,36 @@ impl Judge<'_, '_> {
         for _ in 0..PIXELS_A_TASK {
             let across = camera.right() * (h * random.range(-1.0, 1.0)) + camera.up * (v * random.range(-1.0, 1.0));
             let ray = Ray { origin: self.view.eye, direction: (camera.forward + across).normalize() };
-            let Some((distance, k)) = self.hit(&ray) else { continue };
-            let place = ray.origin + ray.direction * distance;
-            self.note(&mut error, k, Probe::Pixel, place, Some(place.length()), self.finest.radius(place)?);
+            let Some(hit) = self.hit(&ray) else { continue };
+            let place = ray.origin + ray.direction * hit.distance;
+            self.note(&mut error, Probe::Pixel, place, Some((place.length(), hit)), self.finest.radius(place)?);
         }
         Ok(error)
     }
 
-    /// Nearest drawn triangle: its distance and its patch.
-    fn hit(&self, ray: &Ray) -> Option<(f64, usize)> {
-        let mut nearest: Option<(f64, usize)> = None;
+    /// Nearest drawn triangle.
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
         self.boxes.nearest(ray, |k| {
-            let distance = self.surfaces[k].nearest(ray)?;
-            if nearest.is_none_or(|(found, _)| distance < found) {
-                nearest = Some((distance, k));
+            let (distance, triangle) = self.surfaces[k].nearest_triangle(ray)?;
+            if nearest.is_none_or(|found| distance < found.distance) {
+                nearest = Some(Hit { distance, k, triangle: Some(triangle) });
             }
             Some(distance)
         });
         nearest
     }
 
-    fn note(&self, error: &mut ScreenError, k: usize, probe: Probe, place: DVec3, drawn: Option<f64>, finest: Option<f64>) {
-        let (Some(drawn), Some(finest)) = (drawn, finest) else {
+    /// Whether a drawn triangle ends on a side beside missing data, or slides from there.
+    fn is_at_rim(&self, hit: &Hit) -> bool {
+        let Drawn { vertices, places, .. } = self.drawn[hit.k];
+        let on_rim = |v: u32| on_sides(vertices[v as usize].grid(), self.tree.cells, self.rim_sides[hit.k]);
+        let from_rim = |v: u32| places[v as usize].weight > 0.0 && on_rim(vertices[v as usize].parent());
+        self.rim_sides[hit.k] != 0 && hit.triangle.is_none_or(|t| t.iter().any(|&v| on_rim(v) || from_rim(v)))
+    }
+
+    fn note(&self, error: &mut ScreenError, probe: Probe, place: DVec3, drawn: Option<(f64, Hit)>, finest: Option<f64>) {
+        let (Some((drawn, hit)), Some(finest)) = (drawn, finest) else {
             error.missed += 1;
             return;
         };
@@ -208,14 +231,14 @@ impl Judge<'_, '_> {
         let unit = self.tree.lattice.unit;
         let reading = Reading {
             pixels: (drawn - finest).abs() / distance / self.view.camera.pixel_angle(),
-            patch: self.drawn[k].leaf.id,
+            patch: self.drawn[hit.k].leaf.id,
             probe,
             direction,
             drawn_m: drawn * unit,
             finest_m: finest * unit,
             distance_m: distance * unit,
         };
-        let readings = if self.at_rim[k] { &mut error.at_data_rim } else { &mut error.readings };
+        let readings = if self.is_at_rim(&hit) { &mut error.at_data_rim } else { &mut error.readings };
         readings.add(reading);
     }
 }

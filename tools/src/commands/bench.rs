@@ -1,7 +1,7 @@
 //! `terrane bench`: what the frames of a camera path cost.
 
 use super::paths::load_path;
-use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions};
+use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
@@ -11,7 +11,7 @@ use std::path::PathBuf;
 use terrane::frame::STAGES;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
-use terrane::scene::{Scene, SceneOptions};
+use terrane::scene::Scene;
 use terrane::vulkan::GpuInfo;
 use terrane_planet::camera_path::Keyframe;
 use terrane_planet::sphere::direction_at;
@@ -47,6 +47,8 @@ pub(crate) struct Bench {
     #[command(flatten)]
     mesh: MeshOptions,
     #[command(flatten)]
+    patches: PatchOptions,
+    #[command(flatten)]
     look: LookOptions,
     #[command(flatten)]
     gpu: GpuOptions,
@@ -61,7 +63,7 @@ impl Run for Bench {
         ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
         let path = load_path(&self.path)?;
         let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, SceneOptions::default())?;
+        let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
         let [width, height] = self.size;
         let mut headless = Headless::new(&context, (width, height))?;
         let (first, last) = path.span();

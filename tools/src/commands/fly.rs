@@ -1,6 +1,6 @@
 //! `terrane fly`: the planet in a window.
 
-use super::viewing::{report_messages, CameraOptions, GpuOptions, LookOptions, MeshOptions};
+use super::viewing::{report_messages, CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use std::path::{Path, PathBuf};
@@ -19,6 +19,8 @@ pub(crate) struct Fly {
     #[command(flatten)]
     mesh: MeshOptions,
     #[command(flatten)]
+    patches: PatchOptions,
+    #[command(flatten)]
     look: LookOptions,
     /// Folder for the pictures that P and F12 save.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
@@ -36,6 +38,7 @@ impl Run for Fly {
             file: self.file,
             context: self.gpu.options(),
             camera,
+            scene: self.patches.options()?,
             look: self.look.look(self.camera.place()),
             tolerance: self.camera.error,
             geomorphs: self.mesh.geomorphs(),

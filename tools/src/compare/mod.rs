@@ -83,7 +83,7 @@ fn ours_still(_: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {
 /// Not how the run time cuts: what we would need with the freedom that the baselines have.
 fn ours_finer(_: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {
     let ours = Ours::new();
-    Ok(boxed([0.5, 0.25].map(|cut| ours.with_cut((CutRule::Geometry, cut))).into()))
+    Ok(boxed([0.5, 0.25].map(|cut| ours.with_cut(cut)).into()))
 }
 
 fn cdlod(setting: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {
@@ -97,12 +97,12 @@ fn cdlod(setting: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {
 }
 
 fn rtin(setting: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {
-    let cuts = [(CutRule::AsDrawn, 1.0), (CutRule::Geometry, 1.0), (CutRule::Geometry, 0.5), (CutRule::Geometry, 0.25)];
+    let cuts = [(CutRule::AsDrawn, 1.0), (CutRule::Detail, 1.0), (CutRule::Detail, 0.5), (CutRule::Detail, 0.25)];
     Ok(boxed(Rtin::family(setting, &cuts)))
 }
 
 fn clusters(_: &Setting) -> Result<Vec<Box<dyn Method>>, StoreError> {
-    let cuts = [(CutRule::AsDrawn, 1.0), (CutRule::Geometry, 1.0), (CutRule::Geometry, 2.0)];
+    let cuts = [(CutRule::AsDrawn, 1.0), (CutRule::Detail, 1.0), (CutRule::Detail, 2.0)];
     let variants = [Errors::Measured, Errors::Reported].into_iter().flat_map(|e| cuts.map(|(rule, cut)| (e, rule, cut)));
     let variants: Vec<_> = variants.collect();
     Ok([128, 64].into_iter().flat_map(|most| boxed(Clusters::family(most, &variants))).collect())

@@ -4,7 +4,7 @@ use super::setting::{CutRule, PatchCache, Setting};
 use super::sheet::Sheet;
 use super::Method;
 use std::sync::Arc;
-use terrane_planet::layout::PatchVertex;
+use terrane_planet::layout::{DrawnVertex, PatchVertex};
 use terrane_planet::patch::PatchId;
 use terrane_planet::reference::cut::distance_to_box;
 use terrane_planet::reference::place::exact_place;
@@ -18,7 +18,6 @@ use terrane_planet::view::{Camera, View};
 pub(crate) struct Ours {
     patches: Arc<PatchCache<LoadedPatch>>,
     geomorphs: bool,
-    rule: CutRule,
     /// Tolerance of the cut over the knob.
     cut: f64,
 }
@@ -27,21 +26,26 @@ pub(crate) struct Ours {
 pub(crate) struct Drawn<'a> {
     pub(crate) id: PatchId,
     pub(crate) vertices: &'a [PatchVertex],
-    pub(crate) morph: &'a [f32],
+    pub(crate) places: &'a [DrawnVertex],
     pub(crate) triangles: &'a [[u32; 3]],
 }
 
 impl Drawn<'_> {
     /// Adds it to what is measured.
     pub(crate) fn measure(&self, sheet: &mut Sheet) {
-        sheet.add(self.id.face, self.vertices.len(), |v| exact_place(self.vertices, v, self.morph[v as usize]), self.triangles);
+        sheet.add(
+            self.id.face,
+            self.vertices.len(),
+            |v| exact_place(self.vertices, v, self.places[v as usize].weight),
+            self.triangles,
+        );
     }
 }
 
 impl Ours {
     /// With geomorphs, as the run time draws, and without any patch yet.
     pub(crate) fn new() -> Ours {
-        Ours { patches: Arc::new(PatchCache::new()), geomorphs: true, rule: CutRule::AsDrawn, cut: 1.0 }
+        Ours { patches: Arc::new(PatchCache::new()), geomorphs: true, cut: 1.0 }
     }
 
     /// The same with every awake vertex in its own place.
@@ -49,22 +53,22 @@ impl Ours {
         Ours { patches: self.patches.clone(), geomorphs: false, ..*self }
     }
 
-    /// The same over the patches that a rule asks for with `cut` times the knob as tolerance, at most 1: with finer patches than
-    /// they must be, surfaces stay closed and certified.
-    pub(crate) fn with_cut(&self, (rule, cut): (CutRule, f64)) -> Ours {
-        Ours { patches: self.patches.clone(), rule, cut, ..*self }
+    /// The same over the patches that the run time would draw with `cut` times the knob as tolerance, at most 1: with finer patches
+    /// than there must be, surfaces stay closed and certified.
+    pub(crate) fn with_cut(&self, cut: f64) -> Ours {
+        Ours { patches: self.patches.clone(), cut, ..*self }
     }
 
     /// Calls back with every patch that may be in view.
     pub(crate) fn patches(&self, setting: &Setting, view: &View, mut drawn: impl FnMut(&Drawn)) -> Result<(), StoreError> {
         let finer = setting.view(&view.camera, self.cut * view.tolerance);
-        for leaf in setting.visible_leaves(&finer, self.rule) {
+        for leaf in setting.visible_leaves(&finer, CutRule::AsDrawn) {
             let patch = self.patches.get(leaf.id, || Ok(LoadedPatch::new(setting.read(leaf.id)?, &setting.tree.lattice)))?;
             let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
             let vertices = &patch.vertices[..level.vertices as usize];
-            let Selected { awake, morph } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-            let triangles = emit(&view.gpu, vertices, patch.triangles(level), &resolve(vertices, &awake), &morph);
-            drawn(&Drawn { id: leaf.id, vertices, morph: &morph, triangles: &triangles });
+            let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+            let triangles = emit(&view.gpu, patch.triangles(level), &resolve(vertices, &awake), &places);
+            drawn(&Drawn { id: leaf.id, vertices, places: &places, triangles: &triangles });
         }
         Ok(())
     }
@@ -77,7 +81,7 @@ impl Method for Ours {
 
     fn variant(&self) -> String {
         let geomorphs = if self.geomorphs { "with" } else { "without" };
-        format!("{geomorphs} geomorphs, {}", self.rule.describe(self.cut))
+        format!("{geomorphs} geomorphs, {}", CutRule::AsDrawn.describe(self.cut))
     }
 
     fn draw(&self, setting: &Setting, camera: &Camera, knob: f64, sheet: &mut Sheet) -> Result<(), StoreError> {

@@ -86,7 +86,7 @@ impl<'a> Chooser<'a> {
     fn pixels(&self, view: &View, seed: u64) -> Result<Vec<DVec3>, StoreError> {
         let mut surfaces = Vec::new();
         self.ours.patches(self.setting, view, |drawn| {
-            surfaces.push(PatchSurface::of_drawn(drawn.vertices, drawn.morph, drawn.triangles));
+            surfaces.push(PatchSurface::of_drawn(drawn.vertices, drawn.places, drawn.triangles));
         })?;
         let mut random = Random::new(seed);
         let (camera, (h, v)) = (&view.camera, view.camera.half_extents());
@@ -119,7 +119,7 @@ impl Probes {
             }
         }
         let finer = setting.view(camera, FINER * target);
-        for leaf in setting.visible_leaves(&finer, CutRule::Geometry) {
+        for leaf in setting.visible_leaves(&finer, CutRule::Detail) {
             let positions = setting.positions(leaf.id)?;
             let chosen = chooser.bends.get(leaf.id, || Ok(bending_samples(&positions, setting.tree.cells, effort.block)))?;
             let places = chosen.iter().map(|&v| positions[usize::from(v)].as_dvec3());

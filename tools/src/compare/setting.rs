@@ -83,8 +83,8 @@ impl Setting {
         let stored = |_| true;
         let mut leaves = match rule {
             CutRule::AsDrawn => cut(&self.tree, view, &stored),
-            CutRule::Geometry => {
-                let urgency = |_, node: &PatchNode| distance_to_box(view, &node.bounds) / (view.scale * node.split_wake);
+            CutRule::Detail => {
+                let urgency = |_, node: &PatchNode| distance_to_box(view, &node.bounds) / (view.scale * node.detail_wake);
                 cut_by(&self.tree, &urgency, &stored)
             }
         }
@@ -106,10 +106,10 @@ fn cell_triangles(falling: bool) -> [[usize; 3]; 2] {
 /// For whose sake patches split.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum CutRule {
-    /// As in production: for the error, or for the size of a texel.
+    /// As the run time does.
     AsDrawn,
-    /// For the error alone.
-    Geometry,
+    /// For the error of what is seen alone, not for closure or the size of a texel.
+    Detail,
 }
 
 impl CutRule {
@@ -117,7 +117,7 @@ impl CutRule {
     pub(crate) fn describe(self, tolerance: f64) -> String {
         let rule = match self {
             CutRule::AsDrawn => "the run time's cut",
-            CutRule::Geometry => "cut by error",
+            CutRule::Detail => "cut by error",
         };
         if tolerance == 1.0 {
             rule.into()
