@@ -13,7 +13,7 @@ pub use box_tree::Ray;
 pub use error_readings::{ErrorReadings, Probe, Reading};
 pub use finest::{FinestSurface, GridCache};
 pub use random_views::RandomViews;
-pub use screen_error::{measure, Drawn, Effort, ScreenError};
+pub use screen_error::{is_in_view, measure, Drawn, Effort, ScreenError};
 pub use surface_check::{SurfaceCheck, SurfaceReport};
 
 use crate::lattice::Lattice;
