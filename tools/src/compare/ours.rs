@@ -6,7 +6,6 @@ use super::Method;
 use std::sync::Arc;
 use terrane_planet::layout::{DrawnVertex, PatchVertex};
 use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::distance_to_box;
 use terrane_planet::reference::place::exact_place;
 use terrane_planet::reference::select::{select, Selected};
 use terrane_planet::reference::{emit::emit, resolve::resolve};
@@ -64,10 +63,10 @@ impl Ours {
         let finer = setting.view(&view.camera, self.cut * view.tolerance);
         for leaf in setting.visible_leaves(&finer, CutRule::AsDrawn) {
             let patch = self.patches.get(leaf.id, || Ok(LoadedPatch::new(setting.read(leaf.id)?, &setting.tree.lattice)))?;
-            let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
-            let vertices = &patch.vertices[..level.vertices as usize];
+            let work = patch.reach.work(view);
+            let vertices = &patch.vertices[..work.vertices as usize];
             let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-            let triangles = emit(&view.gpu, patch.triangles(level), &resolve(vertices, &awake), &places);
+            let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(vertices, &awake), &places);
             drawn(&Drawn { id: leaf.id, vertices, places: &places, triangles: &triangles });
         }
         Ok(())
