@@ -48,21 +48,29 @@ bool is_culled(uint first, uvec3 corners) {
     return (view.culling & CULL_BACK) != 0u && faces_away(a, b, c);
 }
 
+// Corners of a triangle, as places in the wake order.
+uvec3 corners_of(Triangles triangles, uint t) {
+    uint word = t + t / 2u;
+    uint low = triangles.at[word];
+    uint high = triangles.at[word + 1u];
+    return (t & 1u) == 0u ? uvec3(low & 0xffffu, low >> 16u, high & 0xffffu) : uvec3(low >> 16u, high & 0xffffu, high >> 16u);
+}
+
 void main() {
     uint number = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     if (number >= task_count) return;
     Task task = tasks[number];
     PatchDraw target = patches[task.patch_number];
     Triangles triangles = Triangles(target.triangles);
-    for (uint k = 0u; k < EMIT_CHUNK / 64u; ++k) {
-        uint t = task.first + k * 64u + gl_LocalInvocationID.x;
+    for (uint first = task.first; first < task.end; first += 64u) {
+        uint t = first + gl_LocalInvocationID.x;
         uvec3 corners = uvec3(0u);
-        bool keep = t < target.triangle_count;
+        bool keep = t < task.end;
         if (keep) {
-            uvec2 packed = triangles.at[t];
-            corners.x = resolved[target.resolve_offset + (packed.x & 0xffffu)];
-            corners.y = resolved[target.resolve_offset + (packed.x >> 16u)];
-            corners.z = resolved[target.resolve_offset + packed.y];
+            uvec3 places = corners_of(triangles, t);
+            corners.x = resolved[target.resolve_offset + places.x];
+            corners.y = resolved[target.resolve_offset + places.y];
+            corners.z = resolved[target.resolve_offset + places.z];
             keep = corners.x != corners.y && corners.y != corners.z && corners.z != corners.x
                 && !is_culled(target.resolve_offset, corners);
         }

@@ -29,7 +29,6 @@ void main() {
     words[at++] = bits(patchdraw.triangles.x);
     words[at++] = bits(patchdraw.triangles.y);
     words[at++] = bits(patchdraw.vertex_count);
-    words[at++] = bits(patchdraw.triangle_count);
     words[at++] = bits(patchdraw.awake_offset);
     words[at++] = bits(patchdraw.resolve_offset);
     words[at++] = bits(patchdraw.coarser_sides);
@@ -49,6 +48,7 @@ void main() {
     words[at++] = bits(drawnvertex.weight);
     words[at++] = bits(task.patch_number);
     words[at++] = bits(task.first);
+    words[at++] = bits(task.end);
     words[at++] = bits(frameview.anchor.x);
     words[at++] = bits(frameview.anchor.y);
     words[at++] = bits(frameview.anchor.z);

@@ -7,6 +7,7 @@ use crate::ground::WarpedGrid;
 use crate::lattice::Lattice;
 use crate::progressive::PatchMesh;
 use crate::simplify::star::LEAST_AREA;
+use crate::wake::Wake;
 use bytemuck::{Pod, Zeroable};
 use std::fmt::Write;
 
@@ -81,12 +82,10 @@ gpu_structs! {
     PatchDraw {
         /// Device address of its vertices.
         vertices: [u32; 2],
-        /// Device address of the triangles of the chosen index level.
+        /// Device address of its triangles, those of all index levels.
         triangles: [u32; 2],
-        /// Vertices to select and resolve: those of the chosen index level.
+        /// Vertices to select and resolve: the prefix that the view looks at.
         vertex_count: u32,
-        /// Triangles of the chosen index level.
-        triangle_count: u32,
         /// First word of its awake bits.
         awake_offset: u32,
         /// First entry of its resolved and of its drawn vertices.
@@ -117,12 +116,14 @@ gpu_structs! {
         weight: f32,
     }
 
-    /// A run of work of one workgroup: a patch and the first vertex or triangle in it.
+    /// A run of work of one workgroup: a patch, and which of its vertices or triangles.
     Task {
         /// Number of the patch in the table of draws.
         patch_number: u32,
         /// First vertex or triangle.
         first: u32,
+        /// One past the last.
+        end: u32,
     }
 
     /// The view, as selection and drawing see it. Lengths in lattice units unless said otherwise.
@@ -277,6 +278,11 @@ impl PatchVertex {
     pub fn parent(&self) -> u32 {
         self.parent_coarser & 0xffff
     }
+
+    /// The larger of its two wakes.
+    pub fn wake(&self) -> Wake {
+        Wake::from_code((self.grid_own.max(self.parent_coarser) >> 16) as u16)
+    }
 }
 
 /// The generated GLSL: all structures and shared constants.
@@ -295,7 +301,6 @@ pub fn glsl() -> String {
         ("VERTEX_BITS", VERTEX_BITS),
         ("SELECT_CHUNK", SELECT_CHUNK),
         ("RESOLVE_CHUNK", RESOLVE_CHUNK),
-        ("EMIT_CHUNK", EMIT_CHUNK),
         ("MODE_SHADED", Mode::Shaded as u32),
         ("MODE_WIRE", Mode::Wire as u32),
         ("MODE_LEVELS", Mode::Levels as u32),
@@ -303,7 +308,7 @@ pub fn glsl() -> String {
         ("MODE_ALBEDO", Mode::Albedo as u32),
         ("MODE_DEPTH", Mode::Depth as u32),
         ("TEXTURE_GUTTER", crate::ground::GUTTER as u32),
-        ("WAKE_ALWAYS", u32::from(crate::wake::Wake::ALWAYS.code())),
+        ("WAKE_ALWAYS", u32::from(Wake::ALWAYS.code())),
     ];
     for (name, value) in constants {
         let _ = writeln!(text, "const uint {name} = {value}u;");

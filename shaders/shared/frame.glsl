@@ -7,7 +7,7 @@
 #include "layout.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vertices { PatchVertex at[]; };
-// A triangle is three 16-bit places in the wake order: x holds two, y the third.
-layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triangles { uvec2 at[]; };
+// Triangles are three 16-bit places in the wake order each, without padding: two of them in three words.
+layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triangles { uint at[]; };
 
 uint parent_of(Vertices vertices, uint v) { return vertices.at[v].parent_coarser & 0xffffu; }

@@ -13,7 +13,6 @@ struct PatchDraw {
     uvec2 vertices;
     uvec2 triangles;
     uint vertex_count;
-    uint triangle_count;
     uint awake_offset;
     uint resolve_offset;
     uint coarser_sides;
@@ -34,6 +33,7 @@ struct DrawnVertex {
 struct Task {
     uint patch_number;
     uint first;
+    uint end;
 };
 
 struct FrameView {
@@ -91,7 +91,6 @@ const uint NO_LAYER = 4294967295u;
 const uint VERTEX_BITS = 15u;
 const uint SELECT_CHUNK = 1024u;
 const uint RESOLVE_CHUNK = 256u;
-const uint EMIT_CHUNK = 256u;
 const uint MODE_SHADED = 0u;
 const uint MODE_WIRE = 1u;
 const uint MODE_LEVELS = 2u;

@@ -5,8 +5,8 @@ use crate::headless::Selection;
 use std::cmp::Ordering;
 use terrane_planet::lattice::Lattice;
 use terrane_planet::layout::{DrawnVertex, FrameView, PatchDraw, PatchVertex, VERTEX_BITS};
-use terrane_planet::progressive::{IndexLevel, PatchMesh};
-use terrane_planet::reference::cut::{distance_to_box, Leaf};
+use terrane_planet::progressive::PatchMesh;
+use terrane_planet::reference::cut::Leaf;
 use terrane_planet::reference::{
     emit::emit,
     resolve::resolve,
@@ -34,7 +34,7 @@ pub(super) struct Twin<'a> {
     pub(super) known: &'a KnownPatch,
     pub(super) leaf: Leaf,
     gpu: FrameView,
-    level: IndexLevel,
+    triangles: Vec<[u16; 3]>,
     vertices: &'a [PatchVertex],
     selected: Selected,
     resolved: Vec<u32>,
@@ -43,17 +43,18 @@ pub(super) struct Twin<'a> {
 impl<'a> Twin<'a> {
     pub(super) fn new(view: &View, leaf: &Leaf, known: &'a KnownPatch) -> Twin<'a> {
         let patch = &known.loaded;
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
-        let vertices = &patch.vertices[..level.vertices as usize];
+        let work = patch.reach.work(view);
+        let vertices = &patch.vertices[..work.vertices as usize];
         let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
         let resolved = resolve(vertices, &selected.awake);
-        Twin { known, leaf: *leaf, gpu: view.without_culling().gpu, level, vertices, selected, resolved }
+        let triangles = patch.triangles(&work);
+        Twin { known, leaf: *leaf, gpu: view.without_culling().gpu, triangles, vertices, selected, resolved }
     }
 
     /// The triangles that `view` draws, or without culling.
     pub(super) fn emit(&self, view: Option<&View>) -> Vec<[u32; 3]> {
         let view = view.map_or(&self.gpu, |view| &view.gpu);
-        emit(view, self.known.loaded.triangles(self.level), &self.resolved, &self.selected.places)
+        emit(view, &self.triangles, &self.resolved, &self.selected.places)
     }
 
     /// Where the vertices of the prefix that was selected are drawn.
@@ -79,8 +80,8 @@ impl<'a> Twin<'a> {
 
     /// Differences in table, awake bits, places and resolved vertices. Patches that were given other tables are not compared further.
     pub(super) fn compare_stages(&self, draw: &PatchDraw, selection: &Selection) -> Mismatches {
-        let tables = (draw.vertex_count, draw.triangle_count, draw.coarser_sides, draw.level);
-        if tables != (self.level.vertices, self.level.count, u32::from(self.leaf.coarser_sides), u32::from(self.leaf.id.level)) {
+        let tables = (draw.vertex_count, draw.coarser_sides, draw.level);
+        if tables != (self.vertices.len() as u32, u32::from(self.leaf.coarser_sides), u32::from(self.leaf.id.level)) {
             return Mismatches { patches: 1, ..Mismatches::default() };
         }
         let start = draw.resolve_offset as usize;

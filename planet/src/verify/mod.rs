@@ -18,9 +18,9 @@ pub use surface_check::{SurfaceCheck, SurfaceReport};
 
 use crate::lattice::Lattice;
 use crate::layout::{DrawnVertex, PatchVertex};
-use crate::progressive::{covering, replay, IndexLevel, IndexLevels, PatchMesh};
+use crate::progressive::{replay, IndexLevels, PatchMesh};
 use crate::reference::resolve::bit;
-use crate::wake::Wake;
+use crate::reference::work::{Reach, Work};
 
 /// A patch with everything the checks and the run time need.
 pub struct LoadedPatch {
@@ -30,27 +30,8 @@ pub struct LoadedPatch {
     pub vertices: Vec<PatchVertex>,
     /// Its triangle lists.
     pub lists: IndexLevels,
-    /// What decides which list a view needs.
+    /// What decides how much of it a view looks at.
     pub reach: Reach,
-}
-
-/// How far the vertices of a patch can be awake, and the triangle list for every prefix of them.
-#[derive(Clone, Debug)]
-pub struct Reach {
-    /// Larger wake of each vertex, falling.
-    wakes: Vec<Wake>,
-    levels: Vec<IndexLevel>,
-}
-
-impl Reach {
-    /// The coarsest triangle list that holds every vertex which can be awake for a viewer at least `distance` lattice units
-    /// away (selection distance) in a view of some reach.
-    pub fn level_for(&self, distance: f64, reach: f64) -> IndexLevel {
-        // A little nearer than true, for the rounding of f32 selection.
-        let least = distance * (1.0 - 1e-5) / reach;
-        let awake = self.wakes.partition_point(|w| w.distance() >= least);
-        covering(&self.levels, awake)
-    }
 }
 
 impl LoadedPatch {
@@ -58,14 +39,13 @@ impl LoadedPatch {
     pub fn new(mesh: PatchMesh, lattice: &Lattice) -> LoadedPatch {
         let vertices = PatchVertex::of_patch(&mesh, lattice);
         let lists = IndexLevels::new(&mesh);
-        let wakes = mesh.vertices.iter().map(|v| v.wake()).collect();
-        let reach = Reach { wakes, levels: lists.levels.clone() };
+        let reach = Reach::new(&vertices, mesh.cells, &lists);
         LoadedPatch { mesh, vertices, lists, reach }
     }
 
-    /// Triangles of one of its lists.
-    pub fn triangles(&self, level: IndexLevel) -> &[[u16; 3]] {
-        &self.lists.triangles[level.first as usize..(level.first + level.count) as usize]
+    /// The triangles that emission begins with.
+    pub fn triangles(&self, work: &Work) -> Vec<[u16; 3]> {
+        work.triangles.iter().flat_map(|run| &self.lists.triangles[run.start as usize..run.end as usize]).copied().collect()
     }
 }
 
