@@ -1,10 +1,8 @@
 //! Checks of the invariants on drawn meshes: watertight by bits, nothing flipped or degenerate, closure kept; and the screen
 //! error, measured with rays against the finest resident surface.
 
-mod box_tree;
 pub mod error_readings;
 pub mod finest;
-pub mod patch_surface;
 pub mod random_views;
 pub mod screen_error;
 pub mod surface_check;
