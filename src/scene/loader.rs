@@ -9,6 +9,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 use terrane_planet::lattice::Lattice;
 use terrane_planet::patch::PatchId;
+use terrane_planet::query::PatchGrid;
 use terrane_planet::store::{PlanetFile, StoreError};
 use terrane_planet::verify::LoadedPatch;
 
@@ -19,6 +20,7 @@ const WORKERS: usize = 2;
 pub(super) struct Loaded {
     pub(super) patch: LoadedPatch,
     pub(super) texture: Option<TextureMips>,
+    pub(super) grid: PatchGrid,
 }
 
 type Arrival = (PatchId, Result<Loaded, StoreError>);
@@ -149,9 +151,11 @@ impl Worker {
     }
 
     fn load(&self, id: PatchId) -> Result<Loaded, StoreError> {
-        let patch = LoadedPatch::new(self.file.mesh(id)?, &self.lattice);
+        let mesh = self.file.mesh(id)?;
+        let grid = PatchGrid::of_mesh(&mesh, &self.lattice);
+        let patch = LoadedPatch::new(mesh, &self.lattice);
         let texture =
             if self.textures { Some(TextureMips::new(&self.file.texture(id)?, self.file.header().cells)) } else { None };
-        Ok(Loaded { patch, texture })
+        Ok(Loaded { patch, texture, grid })
     }
 }

@@ -3,10 +3,12 @@
 //!
 //! In: a planet file and a view. Out: the cut, and the resident patches that it draws.
 
+mod drawn_ground;
 mod loader;
 mod resident;
 mod textures;
 
+pub use drawn_ground::DrawnGround;
 pub use resident::ResidentPatch;
 pub use textures::TexturePool;
 
@@ -19,6 +21,7 @@ use std::time::Duration;
 use terrane_planet::lattice::Lattice;
 use terrane_planet::patch::PatchId;
 use terrane_planet::planet::{Planet, PlanetError};
+use terrane_planet::query::KnownGround;
 use terrane_planet::reference::cut::{cut, Cut};
 use terrane_planet::store::{PlanetFile, StoreError};
 use terrane_planet::tree::{PatchFacts, PatchTree};
@@ -84,6 +87,7 @@ pub struct Scene {
     planet: Planet,
     tree: PatchTree,
     resident: HashMap<PatchId, ResidentPatch>,
+    ground: DrawnGround,
     textures: TexturePool,
     loader: Loader,
     capacity: usize,
@@ -111,6 +115,7 @@ impl Scene {
         let loader = Loader::new(path, planet.lattice, options.textures)?;
         let mut scene = Scene {
             context: context.clone(),
+            ground: DrawnGround::new(KnownGround::new(planet.lattice, planet.cells)),
             planet,
             tree,
             resident: HashMap::new(),
@@ -153,6 +158,11 @@ impl Scene {
         self.resident.len()
     }
 
+    /// The ground of the resident patches.
+    pub fn ground(&self) -> &DrawnGround {
+        &self.ground
+    }
+
     /// Textures of the resident patches.
     pub fn textures(&self) -> &TexturePool {
         &self.textures
@@ -165,10 +175,10 @@ impl Scene {
         Ok(self.choose(view))
     }
 
-    /// [`Scene::update`] for a window: the uploads become part of the frame that `commands` records, and nothing is waited for.
-    pub fn stream(&mut self, view: &View, uploads: usize, commands: &mut Commands) -> Result<Cut, SceneError> {
-        self.stage_arrived(uploads)?.record(commands)?;
-        Ok(self.choose(view))
+    /// The first half of [`Scene::update`] for a window: the uploads become part of the frame that `commands` records, and nothing is
+    /// waited for. The ground may have changed then: [`Scene::choose`] the cut once the viewer is above it.
+    pub fn receive(&mut self, uploads: usize, commands: &mut Commands) -> Result<(), SceneError> {
+        Ok(self.stage_arrived(uploads)?.record(commands)?)
     }
 
     fn stage_arrived(&mut self, uploads: usize) -> Result<Upload, SceneError> {
@@ -177,9 +187,11 @@ impl Scene {
         self.stage(arrived)
     }
 
-    fn choose(&mut self, view: &View) -> Cut {
+    /// Computes the cut of a view from what is resident, and asks for what it lacks.
+    pub fn choose(&mut self, view: &View) -> Cut {
         let resident = &self.resident;
         let cut = cut(&self.tree, view, &|id| resident.contains_key(&id));
+        self.ground.follow(&cut);
         self.mark_used(&cut);
         self.request(&cut);
         cut
@@ -246,6 +258,7 @@ impl Scene {
             }
             let patch = ResidentPatch::new(&self.context, &mut upload, &loaded.patch, layer, self.frame)?;
             self.resident.insert(loaded.patch.mesh.id, patch);
+            self.ground.known.insert(loaded.grid);
         }
         Ok(upload)
     }
@@ -255,6 +268,7 @@ impl Scene {
         let has_children = |id: PatchId| id.children().into_iter().flatten().any(|c| self.resident.contains_key(&c));
         let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame && !has_children(**id));
         let Some(oldest) = idle.min_by_key(|(id, p)| (p.last_used, **id)).map(|(id, _)| *id) else { return false };
+        self.ground.known.remove(oldest);
         if let Some(layer) = self.resident.remove(&oldest).and_then(|p| p.layer) {
             self.textures.release(layer);
         }

@@ -4,7 +4,7 @@
 
 use super::patch_grid::PatchGrid;
 use crate::lattice::Lattice;
-use crate::patch::PatchId;
+use crate::patch::{PatchId, MAX_LEVEL};
 use crate::rays::patch_surface::grouped_grid;
 use crate::sphere::{warp_component, Face};
 use glam::DVec3;
@@ -98,19 +98,24 @@ impl KnownGround {
     /// of patches it may be that of either, which differ by the rounding of the lattice or, where levels differ, by what the finer one
     /// adds.
     pub fn height_at(&self, direction: DVec3) -> Option<GroundHeight> {
+        self.height_to_level(direction, MAX_LEVEL)
+    }
+
+    /// [`KnownGround::height_at`] of patches of at most a level.
+    pub fn height_to_level(&self, direction: DVec3, most: u8) -> Option<GroundHeight> {
         let direction = direction.try_normalize()?;
-        let grid = self.grids.get(&self.leaf(direction))?;
+        let grid = self.grids.get(&self.leaf(direction, most))?;
         let height = (grid.radius(direction)? - self.lattice.radius) * self.lattice.unit;
         Some(GroundHeight { height, level: grid.id.level, spacing: self.spacing(grid.id.level) })
     }
 
-    /// The patch that answers for a direction; a whole face where nothing is known.
-    pub(super) fn leaf(&self, direction: DVec3) -> PatchId {
+    /// The patch of at most a level that answers for a direction; a whole face where nothing is known.
+    pub(super) fn leaf(&self, direction: DVec3, most: u8) -> PatchId {
         let face = Face::containing(direction);
         let (u, v) = face.project(direction);
         let (column, row) = face.grid_axes();
         let mut id = PatchId { face, level: 0, x: 0, y: 0 };
-        while self.children.get(&id) == Some(&WHOLE) {
+        while id.level < most && self.children.get(&id) == Some(&WHOLE) {
             let middle = id.point(1, 1, 2);
             let (right, upper) = (u >= warp_component(middle[column]), v >= warp_component(middle[row]));
             id = PatchId { face, level: id.level + 1, x: 2 * id.x + u32::from(right), y: 2 * id.y + u32::from(upper) };

@@ -6,7 +6,7 @@
 
 use super::known_ground::KnownGround;
 use super::patch_grid::PatchGrid;
-use crate::patch::PatchId;
+use crate::patch::{PatchId, MAX_LEVEL};
 use crate::rays::Ray;
 use crate::sphere::{warp_component, Face};
 use glam::DVec3;
@@ -65,7 +65,7 @@ impl KnownGround {
     fn walk(&self, ray: &Ray, reach: f64) -> Option<(f64, PatchId)> {
         let (mut at, mut inside) = (0.0, ray.origin);
         for _ in 0..self.len() + Face::ALL.len() {
-            let id = self.leaf(inside);
+            let id = self.leaf(inside, MAX_LEVEL);
             let (exit, outward) = exit(ray, id);
             let exit = exit.clamp(at, reach);
             if let Some(distance) = self.grid(id).and_then(|grid| self.meet(ray, grid, at, exit)) {

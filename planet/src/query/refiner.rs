@@ -97,7 +97,7 @@ impl Shared {
     /// The patches to sample next for a request: a whole face, or four siblings. None once it is done.
     fn next_patches(&self, request: &Request) -> Option<Vec<PatchId>> {
         let known = self.known.read().unwrap_or_else(PoisonError::into_inner);
-        let leaf = known.leaf(request.direction);
+        let leaf = known.leaf(request.direction, request.level);
         if !known.contains(leaf) {
             return Some(vec![leaf]);
         }
