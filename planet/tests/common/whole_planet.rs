@@ -1,5 +1,7 @@
 //! A whole planet on the CPU with mixed levels, and views of it.
 
+#![allow(dead_code, reason = "every test program uses its own part")]
+
 use crate::common::TestField;
 use std::collections::HashMap;
 use terrane_planet::ground::{Ground, HeightGrid};
