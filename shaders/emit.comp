@@ -12,6 +12,7 @@ layout(scalar, binding = 2) readonly buffer Tasks { Task tasks[]; };
 layout(scalar, binding = 3) readonly buffer Resolved { uint resolved[]; };
 layout(scalar, binding = 4) writeonly buffer Indices { uint indices[]; };
 layout(scalar, binding = 5) buffer State { EmitState state; };
+layout(scalar, binding = 6) readonly buffer Morph { float morph[]; };
 
 layout(push_constant) uniform Push { uint task_count; };
 
@@ -33,11 +34,16 @@ bool faces_away(vec3 a, vec3 b, vec3 c) {
     return height > limit;
 }
 
-bool is_culled(Vertices vertices, uvec3 corners) {
+vec3 corner_place(Vertices vertices, uint weights, uint v) {
+    return drawn_place(vertices, v, morph[weights + v], view.anchor, view.offset);
+}
+
+// `weights` is where the patch's morph weights begin.
+bool is_culled(Vertices vertices, uint weights, uvec3 corners) {
     if (view.culling == 0u) return false;
-    vec3 a = relative_to_camera(vertices.at[corners.x].position, view.anchor, view.offset);
-    vec3 b = relative_to_camera(vertices.at[corners.y].position, view.anchor, view.offset);
-    vec3 c = relative_to_camera(vertices.at[corners.z].position, view.anchor, view.offset);
+    vec3 a = corner_place(vertices, weights, corners.x);
+    vec3 b = corner_place(vertices, weights, corners.y);
+    vec3 c = corner_place(vertices, weights, corners.z);
     if ((view.culling & CULL_FRUSTUM) != 0u) {
         for (int k = 0; k < 5; ++k) {
             if (beyond(a, view.planes[k]) && beyond(b, view.planes[k]) && beyond(c, view.planes[k])) return true;
@@ -63,7 +69,7 @@ void main() {
             corners.y = resolved[target.resolve_offset + (packed.x >> 16u)];
             corners.z = resolved[target.resolve_offset + packed.y];
             keep = corners.x != corners.y && corners.y != corners.z && corners.z != corners.x
-                && !is_culled(vertices, corners);
+                && !is_culled(vertices, target.resolve_offset, corners);
         }
         uvec4 kept = subgroupBallot(keep);
         uint base = 0u;

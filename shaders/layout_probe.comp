@@ -68,6 +68,8 @@ void main() {
     words[at++] = bits(frameview.planes[4].y);
     words[at++] = bits(frameview.planes[4].z);
     words[at++] = bits(frameview.falloff);
+    words[at++] = bits(frameview.reach);
+    words[at++] = bits(frameview.morph_rate);
     words[at++] = bits(frameview.cells);
     words[at++] = bits(frameview.unit);
     words[at++] = bits(frameview.near);

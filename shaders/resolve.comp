@@ -23,7 +23,7 @@ void main() {
         uint at = v;
         // Parents come earlier in the wake order, so this ends, at the latest at a vertex that names itself.
         while ((awake[target.awake_offset + at / 32u] >> (at % 32u) & 1u) == 0u) {
-            uint parent = vertices.at[at].parent_coarser & 0xffffu;
+            uint parent = parent_of(vertices, at);
             if (parent >= at) break;
             at = parent;
         }

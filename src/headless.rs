@@ -41,6 +41,8 @@ pub struct Selection {
     pub awake: Vec<u32>,
     /// What every vertex is drawn as, at the offsets of the frame's tables.
     pub resolved: Vec<u32>,
+    /// Morph weight of every vertex, at the same offsets.
+    pub morph: Vec<f32>,
     /// Emitted triangles in no order: patch number above [`VERTEX_BITS`](terrane_planet::layout::VERTEX_BITS), vertex below.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -96,6 +98,7 @@ impl Headless {
         Ok(Selection {
             awake: download(&self.context, &buffers.awake, report.tables.awake_words as usize)?,
             resolved: download(&self.context, &buffers.resolved, report.tables.vertices as usize)?,
+            morph: download(&self.context, &buffers.morph, report.tables.vertices as usize)?,
             triangles: download(&self.context, &buffers.indices, emitted as usize)?,
         })
     }

@@ -52,9 +52,13 @@ impl Lattice {
 
 /// Exact sign of det(a, b, c): positive when the triangle a, b, c turns counter-clockwise seen from outside the planet.
 pub fn orientation(a: IVec3, b: IVec3, c: IVec3) -> i32 {
+    determinant(a, b, c).signum() as i32
+}
+
+/// det(a, b, c), exactly.
+pub fn determinant(a: IVec3, b: IVec3, c: IVec3) -> i128 {
     let [a, b, c] = [a, b, c].map(|p| [i128::from(p.x), i128::from(p.y), i128::from(p.z)]);
-    let det = a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0]);
-    det.signum() as i32
+    a[0] * (b[1] * c[2] - b[2] * c[1]) + a[1] * (b[2] * c[0] - b[0] * c[2]) + a[2] * (b[0] * c[1] - b[1] * c[0])
 }
 
 /// Axis-aligned box of lattice positions, both ends included.
@@ -79,6 +83,12 @@ impl LatticeBox {
     /// The smallest box around both.
     pub fn union(self, other: LatticeBox) -> LatticeBox {
         LatticeBox { low: self.low.min(other.low), high: self.high.max(other.high) }
+    }
+
+    /// The box with so many lattice units more on every side.
+    pub fn widened(self, margin: i32) -> LatticeBox {
+        let margin = IVec3::splat(margin);
+        LatticeBox { low: self.low.saturating_sub(margin), high: self.high.saturating_add(margin) }
     }
 }
 

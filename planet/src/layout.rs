@@ -89,7 +89,7 @@ gpu_structs! {
         triangle_count: u32,
         /// First word of its awake bits.
         awake_offset: u32,
-        /// First entry of its resolved vertices.
+        /// First entry of its resolved vertices, and of their morph weights.
         resolve_offset: u32,
         /// Sides with a coarser neighbour, bits in order left, right, bottom, top.
         coarser_sides: u32,
@@ -125,12 +125,16 @@ gpu_structs! {
         culling: u32,
         /// Camera minus anchor.
         offset: [f32; 3],
-        /// s = κ₀ / κ: a vertex is awake within this times its wake.
+        /// s = κ₀ / κ: a vertex is in its own place within this times its wake.
         scale: f32,
         /// Outward normals of the frustum's four sides and of the plane through the camera, facing backwards.
         planes: [[f32; 3]; 5],
         /// Weight of the distance outside the frustum (G).
         falloff: f32,
+        /// A vertex is awake within this times its wake: `scale`, or MORPH_REACH times that with geomorphs.
+        reach: f32,
+        /// 1 / (reach - scale): how fast a vertex slides to its parent's place beyond `scale`. 0 without geomorphs.
+        morph_rate: f32,
         /// Grid cells along a patch side.
         cells: u32,
         /// Metres in a lattice unit.

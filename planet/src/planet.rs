@@ -3,7 +3,7 @@
 use crate::bake::build_patch;
 use crate::ground::{Elevation, Ground, GroundColour, GroundPoint};
 use crate::lattice::Lattice;
-use crate::patch::{PatchId, MAX_CELLS, MIN_CELLS};
+use crate::patch::{PatchId, MAX_CELLS, MAX_LEVEL, MIN_CELLS};
 use crate::progressive::PatchMesh;
 use crate::recipe::{Recipe, RecipeError};
 use crate::simplify::builder::Faults;
@@ -104,6 +104,12 @@ impl Planet {
             lattice: self.lattice,
             height_range: [lowest, highest],
         }
+    }
+
+    /// The coarsest level whose samples stand at most so many metres apart on average, or the finest there is.
+    pub fn level_of_spacing(&self, metres: f64) -> u8 {
+        let spacing = |level: u8| self.lattice.sample_spacing(self.cells, level) * self.lattice.unit;
+        (0..MAX_LEVEL).find(|&level| spacing(level) <= metres).unwrap_or(MAX_LEVEL)
     }
 
     /// Terrain on the lattice.

@@ -1,11 +1,11 @@
-//! What is known of all stored patches without reading them: bounds, and how near a viewer must be for each to split.
+//! What is known of all patches without reading them: bounds, and how near a viewer must be for each to split.
 
 use crate::lattice::{Lattice, LatticeBox};
-use crate::patch::PatchId;
+use crate::patch::{PatchId, MAX_LEVEL};
 use crate::progressive::PatchMesh;
 use crate::store::PatchRecord;
 use crate::wake::MORPH_REACH;
-use crate::{DEVIATION_SHARE, KAPPA};
+use crate::{DEVIATION_BELOW, DEVIATION_SHARE, KAPPA};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -20,47 +20,63 @@ pub struct PatchFacts {
     pub heights: [i32; 2],
     /// Radial distance of the next level's samples from its grid, lattice units.
     pub deviation: f64,
-    /// Largest own wake of its odd vertices on the parent's boundary, lattice units.
-    pub odd_wake: f64,
+    /// Largest wake that a vertex of its children has on its sides where it has none itself, lattice units.
+    pub child_wake: f64,
 }
 
 impl From<&PatchMesh> for PatchFacts {
     fn from(mesh: &PatchMesh) -> PatchFacts {
-        let PatchMesh { id, bounds, heights, deviation, odd_wake, .. } = *mesh;
-        PatchFacts { id, bounds, heights, deviation, odd_wake }
+        let PatchMesh { id, bounds, heights, deviation, child_wake, .. } = *mesh;
+        PatchFacts { id, bounds, heights, deviation, child_wake }
     }
 }
 
 impl From<&PatchRecord> for PatchFacts {
     fn from(record: &PatchRecord) -> PatchFacts {
-        let PatchRecord { id, bounds, heights, deviation, odd_wake, .. } = *record;
-        PatchFacts { id, bounds, heights, deviation, odd_wake }
+        let PatchRecord { id, bounds, heights, deviation, child_wake, .. } = *record;
+        PatchFacts { id, bounds, heights, deviation, child_wake }
     }
 }
 
-/// A stored patch within its quadtree.
+/// A known patch within its quadtree: what follows from its own facts alone, whatever is known below it.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchNode {
-    /// Box around its own and all stored descendants' vertices.
+    /// Box around its own vertices and those of whatever finer patches there may be.
     pub bounds: LatticeBox,
-    /// Highest vertex of it and its descendants, lattice units above the datum.
+    /// Highest of all these vertices, lattice units above the datum.
     pub highest: i32,
-    /// Wsplit: a viewer nearer to `bounds` than this times the view's scale needs the children. 0 without children.
-    pub split_wake: f64,
-    /// Whether all four children are stored.
-    pub has_children: bool,
+    /// A viewer nearer to `bounds` than this times the view's scale needs the children, seen or not: vertices that only they have are
+    /// awake on the patch's sides, where seen patches may lie.
+    pub closure_wake: f64,
+    /// A viewer nearer than this needs them if the patch is seen: they deviate from its grid by more than their share of the tolerance.
+    pub detail_wake: f64,
     /// Direction of its middle.
     pub centre: DVec3,
     /// Cosine of the angle between its middle and its farthest corner.
     pub spread: f64,
-    /// Deviation from the finest stored descendants, lattice units.
-    deviation: f64,
-    own: PatchFacts,
 }
 
-/// All stored patches.
+impl From<PatchFacts> for PatchNode {
+    fn from(own: PatchFacts) -> PatchNode {
+        let centre = own.id.centre();
+        let corner = |a: i32, b: i32| crate::sphere::direction(own.id.point(a, b, 1)).dot(centre);
+        let margin = (DEVIATION_BELOW * own.deviation).ceil() as i32;
+        PatchNode {
+            bounds: own.bounds.widened(margin),
+            highest: own.heights[1].saturating_add(margin),
+            closure_wake: MORPH_REACH * own.child_wake,
+            detail_wake: own.deviation / (DEVIATION_SHARE * KAPPA),
+            centre,
+            spread: [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)].into_iter().fold(1.0, f64::min),
+        }
+    }
+}
+
+/// All known patches: those stored, and those built since.
 pub struct PatchTree {
     nodes: HashMap<PatchId, PatchNode>,
+    /// Level down to which patches can be built that are not known yet.
+    finest_built: Option<u8>,
     /// Lattice of the planet.
     pub lattice: Lattice,
     /// Grid cells a side.
@@ -70,65 +86,47 @@ pub struct PatchTree {
 }
 
 impl PatchTree {
-    /// Builds the tree, finest patches first.
+    /// The tree of stored patches.
     pub fn new(lattice: Lattice, cells: u32, facts: impl IntoIterator<Item = PatchFacts>) -> PatchTree {
-        let mut all: Vec<PatchFacts> = facts.into_iter().collect();
-        all.sort_by_key(|f| (std::cmp::Reverse(f.id.level), f.id));
-        let lowest = all.iter().map(|f| f.heights[0]).min().unwrap_or(0);
-        let mut tree = PatchTree { nodes: HashMap::with_capacity(all.len()), lattice, cells, lowest };
-        for own in all {
-            let node = tree.node_of(own);
-            tree.nodes.insert(own.id, node);
-        }
+        let mut tree = PatchTree { nodes: HashMap::new(), finest_built: None, lattice, cells, lowest: i32::MAX };
+        facts.into_iter().for_each(|own| tree.insert(own));
         tree
     }
 
-    fn node_of(&self, own: PatchFacts) -> PatchNode {
-        let centre = own.id.centre();
-        let corner = |a: i32, b: i32| crate::sphere::direction(own.id.point(a, b, 1)).dot(centre);
-        let spread = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)].into_iter().fold(1.0, f64::min);
-        let mut node = PatchNode {
-            bounds: own.bounds,
-            highest: own.heights[1],
-            split_wake: 0.0,
-            has_children: false,
-            centre,
-            spread,
-            deviation: 0.0,
-            own,
-        };
-        let children: Option<Vec<&PatchNode>> =
-            own.id.children().and_then(|ids| ids.iter().map(|id| self.nodes.get(id)).collect());
-        if let Some(children) = children {
-            node.has_children = true;
-            let deepest = children.iter().map(|c| c.deviation).fold(0.0, f64::max);
-            node.deviation = own.deviation + deepest;
-            let odd = children.iter().map(|c| c.own.odd_wake).fold(0.0, f64::max);
-            node.split_wake = (MORPH_REACH * odd).max(node.deviation / (DEVIATION_SHARE * KAPPA));
-            for child in children {
-                node.bounds = node.bounds.union(child.bounds);
-                node.highest = node.highest.max(child.highest);
-            }
-        }
-        node
+    /// The same tree for a planet whose patches can be built when they are wanted, down to a level.
+    pub fn built_to(mut self, level: u8) -> PatchTree {
+        self.finest_built = Some(level.min(MAX_LEVEL));
+        self
     }
 
-    /// A stored patch.
+    /// Adds a patch.
+    pub fn insert(&mut self, own: PatchFacts) {
+        self.lowest = self.lowest.min(own.heights[0]);
+        self.nodes.insert(own.id, own.into());
+    }
+
+    /// Whether a patch can give way to its children: they are all known, or can be built.
+    pub fn can_split(&self, id: PatchId) -> bool {
+        let known = || id.children().is_some_and(|ids| ids.iter().all(|child| self.nodes.contains_key(child)));
+        self.finest_built.is_some_and(|level| id.level < level) || known()
+    }
+
+    /// A known patch.
     pub fn get(&self, id: PatchId) -> Option<&PatchNode> {
         self.nodes.get(&id)
     }
 
-    /// Number of stored patches.
+    /// Number of known patches.
     pub fn len(&self) -> usize {
         self.nodes.len()
     }
 
-    /// Whether nothing is stored.
+    /// Whether nothing is known.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
     }
 
-    /// Ids of all stored patches, in no order.
+    /// Ids of all known patches, in no order.
     pub fn ids(&self) -> impl Iterator<Item = PatchId> + '_ {
         self.nodes.keys().copied()
     }

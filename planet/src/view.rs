@@ -2,6 +2,7 @@
 
 use crate::lattice::{Lattice, EXTENT};
 use crate::layout::FrameView;
+use crate::wake::MORPH_REACH;
 use crate::KAPPA;
 use glam::{DMat3, DVec3, IVec3, Mat4, Vec3, Vec4};
 
@@ -71,9 +72,11 @@ pub struct View {
     pub eye: DVec3,
     /// Tolerance in pixels.
     pub tolerance: f64,
-    /// s = κ₀/κ. Below 1 (coarse tolerances, wide fields of view, small pictures) the mesh is still watertight, but the error is
-    /// no longer certified.
+    /// s = κ₀/κ, at least 1: where the tolerance (in a wide field of view or a small picture) is coarser than meshes are certified for,
+    /// they are drawn as fine as they are certified.
     pub scale: f64,
+    /// Vertices are awake within this times their wake: farther than `scale` by [`MORPH_REACH`], to slide; `scale` without geomorphs.
+    pub reach: f64,
     /// Weight of the distance outside the frustum.
     pub falloff: f64,
     /// Outward unit normals of the frustum's sides (left, right, bottom, top) and backwards; all planes pass through the eye.
@@ -83,10 +86,11 @@ pub struct View {
 }
 
 impl View {
-    /// The view of a camera with a tolerance in pixels on a planet with patches of `cells` cells.
+    /// The view of a camera with a tolerance in pixels on a planet with patches of `cells` cells; with geomorphs.
     pub fn new(camera: Camera, lattice: &Lattice, cells: u32, tolerance: f64) -> View {
-        let scale = KAPPA / (tolerance * camera.pixel_angle());
-        let falloff = (scale - 1.0).clamp(0.0, MOST_FALLOFF);
+        let scale = (KAPPA / (tolerance * camera.pixel_angle())).max(1.0);
+        let reach = MORPH_REACH * scale;
+        let falloff = (scale - 1.0).min(MOST_FALLOFF);
         let planes = frustum(&camera);
         let eye = camera.position / lattice.unit;
         let limit = f64::from(EXTENT - 1);
@@ -100,17 +104,27 @@ impl View {
             scale: scale as f32,
             planes: planes.map(|p| p.as_vec3().to_array()),
             falloff: falloff as f32,
+            reach: reach as f32,
+            morph_rate: (1.0 / (reach - scale)) as f32,
             cells,
             unit: lattice.unit as f32,
             near,
             clip: clip_matrix(&camera, near).to_cols_array_2d(),
         };
-        View { camera, eye, tolerance, scale, falloff, planes, gpu }
+        View { camera, eye, tolerance, scale, reach, falloff, planes, gpu }
     }
 
     /// The same view drawing every triangle.
     pub fn without_culling(mut self) -> View {
         self.gpu.culling = 0;
+        self
+    }
+
+    /// The same view with every awake vertex in its own place.
+    pub fn without_geomorphs(mut self) -> View {
+        self.reach = self.scale;
+        self.gpu.reach = self.gpu.scale;
+        self.gpu.morph_rate = 0.0;
         self
     }
 }

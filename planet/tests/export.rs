@@ -42,7 +42,7 @@ impl Tiny {
         let place = direction_at(20.0, 30.0);
         let position = place * (self.planet.recipe.radius + self.planet.terrain.height(place) + altitude);
         let camera = Camera::looking(position, 40.0, -25.0, 0.9, [640, 360]);
-        View::new(camera, &self.planet.lattice, self.planet.cells, 1.0)
+        View::new(camera, &self.planet.lattice, self.planet.cells, 1.0).without_geomorphs()
     }
 
     fn load(&self, id: PatchId) -> LoadedPatch {
@@ -180,10 +180,11 @@ fn a_view_has_the_triangles_of_the_twins() {
                 continue;
             }
             let patch = tiny.load(leaf.id);
-            let level = patch.reach.level_for(distance_to_box(&view, &patch.mesh.bounds), view.scale);
+            let level = patch.reach.level_for(distance_to_box(&view, &patch.mesh.bounds), view.reach);
             let vertices = &patch.vertices[..level.vertices as usize];
-            let resolved = resolve(vertices, &select(&view.gpu, vertices, u32::from(leaf.coarser_sides)));
-            let drawn = emit(&view.gpu, vertices, patch.triangles(level), &resolved);
+            let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+            let resolved = resolve(vertices, &selected.awake);
+            let drawn = emit(&view.gpu, vertices, patch.triangles(level), &resolved, &selected.morph);
             corners.extend(drawn.iter().map(|t| t.map(|v| vertices[v as usize].position)));
         }
         let surface = tiny.surface(&view, false);

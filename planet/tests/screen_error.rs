@@ -10,7 +10,11 @@ use terrane_planet::layout::PatchVertex;
 use terrane_planet::patch::PatchId;
 use terrane_planet::progressive::PatchMesh;
 use terrane_planet::reference::cut::{cut, cut_by, distance_to_box, urgency, Cut};
-use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
+use terrane_planet::reference::{
+    emit::emit,
+    resolve::resolve,
+    select::{select, Selected},
+};
 use terrane_planet::verify::{measure, Drawn, Effort, FinestSurface, GridCache, Probe, ScreenError};
 use terrane_planet::view::View;
 use whole_planet::{planet, views, Planet};
@@ -26,17 +30,16 @@ fn error_of(planet: &Planet, view: &View, cut: &Cut, resident: &dyn Fn(PatchId) 
     let mut patches = Vec::new();
     for leaf in &cut.leaves {
         let (patch, _) = &planet.patches[&leaf.id];
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
         let mut vertices = patch.vertices.clone();
         change(planet, leaf.id, &mut vertices);
         let prefix = &vertices[..level.vertices as usize];
-        let awake = select(&view.gpu, prefix, u32::from(leaf.coarser_sides));
-        let triangles = emit(&view.gpu, prefix, patch.triangles(level), &resolve(prefix, &awake));
-        patches.push((*leaf, vertices, awake, triangles));
+        let Selected { awake, morph } = select(&view.gpu, prefix, u32::from(leaf.coarser_sides));
+        let triangles = emit(&view.gpu, prefix, patch.triangles(level), &resolve(prefix, &awake), &morph);
+        patches.push((*leaf, vertices, morph, triangles));
     }
-    let drawn = |(leaf, vertices, awake, triangles)| Drawn { leaf, vertices, awake, triangles };
     let drawn: Vec<Drawn> =
-        patches.iter().map(|(leaf, v, a, t)| drawn((*leaf, v.as_slice(), a.as_slice(), t.as_slice()))).collect();
+        patches.iter().map(|(leaf, vertices, morph, triangles)| Drawn { leaf: *leaf, vertices, morph, triangles }).collect();
     let meshes: HashMap<PatchId, PatchMesh> = planet.patches.iter().map(|(id, (patch, _))| (*id, patch.mesh.clone())).collect();
     let grids = GridCache::new(&planet.tree, Box::new(move |id| Ok(meshes[&id].clone())));
     let finest = FinestSurface::new(&planet.tree, resident, &grids);
@@ -50,10 +53,10 @@ fn natural(planet: &Planet, view: &View) -> ScreenError {
 /// Places where the builder certifies.
 const AT_SAMPLES: [Probe; 2] = [Probe::Sleeper, Probe::FinerSample];
 
-/// Largest share of its tolerance that any certified view shows at the places of some kinds.
+/// Largest share of its tolerance that any view shows at the places of some kinds.
 fn worst_share(errors: impl Iterator<Item = (View, ScreenError)>, probes: &[Probe]) -> f64 {
     let (mut worst, mut count) = (0.0f64, 0);
-    for (view, error) in errors.filter(|(view, _)| view.scale >= 1.0) {
+    for (view, error) in errors {
         assert_eq!(error.missed, 0, "{:?}", view.camera);
         let pixels = probes.iter().map(|&probe| error.readings.max_of(probe)).fold(0.0, f64::max);
         worst = worst.max(pixels / view.tolerance);
@@ -136,7 +139,7 @@ fn wakes_that_are_half_as_long_are_noticed() {
 fn a_surface_out_of_place_is_as_many_pixels_off() {
     let planet = planet(&FIELD, 16);
     let far = |a: &View, b: &View| a.eye.length().total_cmp(&b.eye.length());
-    let view = views(&planet, &FIELD, 24).into_iter().filter(|view| view.scale >= 1.0).max_by(far).unwrap();
+    let view = views(&planet, &FIELD, 24).into_iter().max_by(far).unwrap();
     let (radius, eye) = (planet.tree.lattice.radius, view.eye.length());
     let (nearest, horizon) = (eye - 1.1 * radius, (eye * eye - 0.8 * radius * radius).sqrt());
     let lifted = 20.0 * view.camera.pixel_angle() * nearest;

@@ -8,25 +8,29 @@ use common::TestField;
 use std::collections::HashMap;
 use terrane_planet::patch::PatchId;
 use terrane_planet::reference::cut::{at_data_rim, cut, distance_to_box, Cut};
-use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
+use terrane_planet::reference::{
+    emit::emit,
+    resolve::resolve,
+    select::{select, Selected},
+};
 use terrane_planet::verify::{SurfaceCheck, SurfaceReport};
 use terrane_planet::view::View;
 use whole_planet::{planet, views, Planet};
 
 /// Report and closure violations (away from the rim of the data) of a cut drawn without culling.
 fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (SurfaceReport, usize) {
-    let mut check = SurfaceCheck::default();
+    let mut check = SurfaceCheck::new(&view.gpu);
     let mut violations = 0;
     for leaf in &cut.leaves {
         let (patch, rings) = &planet.patches[&leaf.id];
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
         let vertices = &patch.vertices[..level.vertices as usize];
         let sides = if forget_sides { 0 } else { u32::from(leaf.coarser_sides) };
-        let awake = select(&view.gpu, vertices, sides);
-        let resolved = resolve(vertices, &awake);
-        check.add(vertices, &emit(&view.gpu, vertices, patch.triangles(level), &resolved));
+        let Selected { awake, morph } = select(&view.gpu, vertices, sides);
+        let triangles = emit(&view.gpu, vertices, patch.triangles(level), &resolve(vertices, &awake), &morph);
+        check.add(vertices, &morph, &triangles);
         if !at_data_rim(&planet.tree, leaf) {
-            violations += rings.violations(&awake);
+            violations += rings.violations(&awake, &morph);
         }
     }
     (check.finish(), violations)
@@ -43,10 +47,8 @@ fn every_view_is_watertight_unflipped_and_closed() {
             levels = levels.max(cut.leaves.iter().filter(|l| l.coarser_sides != 0).count());
             let (report, violations) = draw(&planet, view, &cut, false);
             assert_eq!(report.cracks, 0, "view {k} of seed {seed}: {:?}", view.camera);
-            if view.scale >= 1.0 {
-                let clean = SurfaceReport { triangles: report.triangles, ..Default::default() };
-                assert_eq!((report, violations), (clean, 0), "view {k} of seed {seed}: {:?}", view.camera);
-            }
+            let clean = SurfaceReport { triangles: report.triangles, ..Default::default() };
+            assert_eq!((report, violations), (clean, 0), "view {k} of seed {seed}: {:?}", view.camera);
             assert!(report.triangles > 100);
         }
         assert!(levels > 0, "no view mixed levels: the test would prove nothing about them");
@@ -71,8 +73,7 @@ fn patches_that_are_not_resident_make_a_coarser_picture_without_cracks() {
         let cut = cut(&planet.tree, view, &missing);
         let (report, _) = draw(&planet, view, &cut, false);
         assert_eq!(report.cracks, 0, "view {k}");
-        // Below a scale of 1 only watertightness is promised.
-        assert!(report.flipped == 0 || view.scale < 1.0, "view {k}: {report:?}");
+        assert_eq!(report.flipped, 0, "view {k}: {report:?}");
         assert!(cut.leaves.iter().all(|leaf| missing(leaf.id)));
     }
 }

@@ -38,6 +38,8 @@ struct FrameView {
     float scale;
     vec3 planes[5];
     float falloff;
+    float reach;
+    float morph_rate;
     uint cells;
     float unit;
     float near;

@@ -6,7 +6,7 @@ use super::surface::DrawnSurface;
 use super::viewer::Viewer;
 use super::{AppError, FlyOptions, SaveScreenshot};
 use crate::frame::{FrameTables, Look, Overlay as OverlayStage, Renderer};
-use crate::scene::{Scene, SceneOptions};
+use crate::scene::Scene;
 use crate::vulkan::{capture, vk, Access, Commands, Context, Image, ImageDescription, Swapchain};
 use glam::DQuat;
 use std::sync::Arc;
@@ -48,6 +48,7 @@ pub(super) struct Flight {
     stage: OverlayStage,
     look: Look,
     tolerance: f64,
+    geomorphs: bool,
     /// Of the latest frame; while frozen, of the frame that stays.
     tables: Option<FrameTables>,
     selection: Selection,
@@ -63,7 +64,7 @@ pub(super) struct Flight {
 impl Flight {
     pub(super) fn new(window: Arc<Window>, options: &FlyOptions) -> Result<Flight, AppError> {
         let (context, surface) = Context::with_window(&options.context, window.clone())?;
-        let scene = Scene::open(&context, &options.file, SceneOptions::default())?;
+        let scene = Scene::open(&context, &options.file, options.scene.clone())?;
         let size = window.inner_size();
         let swapchain = Swapchain::new(&context, surface, (size.width, size.height), false)?;
         let format = swapchain.format();
@@ -78,6 +79,7 @@ impl Flight {
             swapchain,
             look: options.look,
             tolerance: options.tolerance,
+            geomorphs: options.geomorphs,
             tables: None,
             selection: Selection::Follows,
             uploads: UPLOADS_PER_FRAME.0,
@@ -111,6 +113,7 @@ impl Flight {
             Command::Show(mode) => self.look.mode = mode,
             Command::ShowNext => self.look.mode = next_mode(self.look.mode),
             Command::Toggle(mode) => self.look.mode = if self.look.mode == mode { Mode::Shaded } else { mode },
+            Command::Geomorphs => self.geomorphs = !self.geomorphs,
             Command::Freeze if self.selection == Selection::Follows => self.selection = Selection::Freezes,
             Command::Freeze => self.selection = Selection::Follows,
             Command::Screenshot => self.screenshot_wanted = true,
@@ -188,7 +191,12 @@ impl Flight {
 
     fn view(&self) -> View {
         let camera = self.viewer.pose.camera(&self.viewer.lens);
-        View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance)
+        let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
+        if self.geomorphs {
+            view
+        } else {
+            view.without_geomorphs()
+        }
     }
 
     fn text(&mut self) -> String {
@@ -198,6 +206,7 @@ impl Flight {
             patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
             device: &self.context.device_info().name,
             flying: self.viewer.flying,
+            geomorphs: self.geomorphs,
             frozen: self.selection != Selection::Follows,
             mode: self.look.mode,
         };

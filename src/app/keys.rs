@@ -18,6 +18,7 @@ Shift        free flight: faster
 1 to 6       shaded, wire, levels, normals, albedo, depth
 M            the next of them
 F, L         wire, levels: on and off
+G            geomorphs: on and off
 Z            freeze the selection, to look at it from elsewhere
 P, F12       save a picture
 [ ]          move the sun
@@ -41,6 +42,8 @@ pub(super) enum Command {
     ShowNext,
     /// A mode, or the shaded one if it is on already.
     Toggle(Mode),
+    /// Geomorphs on or off.
+    Geomorphs,
     /// Freeze or thaw the selection.
     Freeze,
     /// Save a picture.
@@ -81,6 +84,7 @@ pub(super) fn command(physical: PhysicalKey, logical: &Key) -> Option<Command> {
             "m" => Some(Command::ShowNext),
             "f" => Some(Command::Toggle(Mode::Wire)),
             "l" => Some(Command::Toggle(Mode::Levels)),
+            "g" => Some(Command::Geomorphs),
             "z" => Some(Command::Freeze),
             "p" => Some(Command::Screenshot),
             "+" | "=" => Some(Command::Zoom(1.0)),

@@ -15,7 +15,7 @@ mod viewer;
 pub use keys::HELP;
 
 use crate::frame::Look;
-use crate::scene::SceneError;
+use crate::scene::{SceneError, SceneOptions};
 use crate::vulkan::{ContextOptions, ValidationMessage, VulkanError};
 use flight::Flight;
 use keys::Command;
@@ -77,6 +77,10 @@ pub struct FlyOptions {
     pub look: Look,
     /// Largest error of the mesh in pixels.
     pub tolerance: f64,
+    /// Whether vertices slide into their places.
+    pub geomorphs: bool,
+    /// What the scene may use and build.
+    pub scene: SceneOptions,
     /// Takes screenshots.
     pub save: SaveScreenshot,
 }

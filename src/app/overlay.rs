@@ -32,6 +32,8 @@ pub(super) struct Status<'a> {
     pub(super) device: &'a str,
     /// Whether the view is in free flight.
     pub(super) flying: bool,
+    /// Whether vertices slide into their places.
+    pub(super) geomorphs: bool,
     /// Whether the selection is frozen.
     pub(super) frozen: bool,
     /// What is drawn.
@@ -66,6 +68,7 @@ impl Overlay {
         let states = [
             (status.mode != Mode::Shaded, mode_name(status.mode)),
             (status.flying, "free flight"),
+            (!status.geomorphs, "no geomorphs"),
             (status.frozen, "selection frozen: Z thaws it"),
             (status.counters.wanted > status.counters.capacity, "more triangles than fit: some are missing"),
         ];

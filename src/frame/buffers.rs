@@ -32,6 +32,8 @@ pub struct FrameBuffers {
     pub awake: Buffer,
     /// Resolved vertices, GPU-written.
     pub resolved: Buffer,
+    /// Morph weights, GPU-written, at the places of the resolved vertices.
+    pub morph: Buffer,
     /// Emitted triangles, GPU-written.
     pub indices: Buffer,
     /// Counters and the indirect draw, GPU-written.
@@ -49,6 +51,7 @@ impl FrameBuffers {
             max_triangles: MAX_TRIANGLES,
             awake: storage(context, "awake", 4096)?,
             resolved: storage(context, "resolved", 4096)?,
+            morph: storage(context, "morph", 4096)?,
             indices: indices(context, 1024)?,
             state: Buffer::new(
                 context,
@@ -68,6 +71,7 @@ impl FrameBuffers {
         let context = self.context.clone();
         grow(&mut self.awake, 4 * u64::from(tables.awake_words), |bytes| storage(&context, "awake", bytes))?;
         grow(&mut self.resolved, 4 * u64::from(tables.vertices), |bytes| storage(&context, "resolved", bytes))?;
+        grow(&mut self.morph, 4 * u64::from(tables.vertices), |bytes| storage(&context, "morph", bytes))?;
         grow(&mut self.indices, 12 * u64::from(capacity), |bytes| indices(&context, bytes))?;
         self.inputs[self.slot].write(&context, tables, view, shading, capacity)
     }

@@ -54,7 +54,7 @@ impl Draw {
             &[ColorTarget { view: targets.ground.view(), clear: Some([0.0; 4]) }],
             Some(DepthTarget { view: targets.depth.view(), clear: Some(0.0) }),
         )?;
-        let geometry = [("View", Resource::Storage(buffers.view())), ("Patches", Resource::Storage(buffers.patches()))];
+        let geometry = geometry(buffers);
         let shading = [
             ("Light", Resource::Storage(buffers.shading())),
             ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
@@ -71,9 +71,17 @@ impl Draw {
             &[ColorTarget { view: targets.water.view(), clear: None }],
             Some(DepthTarget { view: targets.depth.view(), clear: None }),
         )?;
-        let geometry = [("View", Resource::Storage(buffers.view())), ("Patches", Resource::Storage(buffers.patches()))];
-        commands.bind(&self.lines, &geometry)?;
+        commands.bind(&self.lines, &geometry(buffers))?;
         commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
         commands.end_rendering()
     }
+}
+
+/// What the vertex shader reads.
+fn geometry(buffers: &FrameBuffers) -> [(&'static str, Resource<'_>); 3] {
+    [
+        ("View", Resource::Storage(buffers.view())),
+        ("Patches", Resource::Storage(buffers.patches())),
+        ("Morph", Resource::Storage(&buffers.morph)),
+    ]
 }

@@ -101,7 +101,7 @@ impl Renderer {
         self.buffers.record_readback(commands)
     }
 
-    /// Records the mesh stages of the prepared frame: which vertices are awake, what they are drawn as, which triangles.
+    /// Records the mesh stages of the prepared frame: which vertices are awake, what they are drawn as and where, which triangles.
     pub fn record_mesh(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
         keep_patches(commands, scene, tables);
         let between = (&[Access::ComputeWrite], &[Access::ComputeRead, Access::ComputeWrite]);
@@ -112,7 +112,8 @@ impl Renderer {
         commands.zone("resolve", |c| self.resolve.record(c, &self.buffers))?;
         commands.barrier(between.0, between.1)?;
         commands.zone("emit", |c| self.emit.record(c, &self.buffers))?;
-        commands.barrier(&[Access::ComputeWrite], &[Access::IndirectRead, Access::IndexRead, Access::TransferRead])?;
+        let after = [Access::IndirectRead, Access::IndexRead, Access::GraphicsRead, Access::TransferRead];
+        commands.barrier(&[Access::ComputeWrite], &after)?;
         self.buffers.record_readback(commands)
     }
 

@@ -39,7 +39,7 @@ impl FrameTables {
     }
 
     fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, patch: &ResidentPatch) {
-        let level = patch.level_for(distance_to_box(view, &patch.bounds), view.scale);
+        let level = patch.level_for(distance_to_box(view, &patch.bounds), view.reach);
         let parent = leaf.id.parent();
         let metres = |level: u8| texture_distance(scene.tree(), view, level) * scene.tree().lattice.unit;
         let fade = parent.map_or(f64::MAX, |p| metres(p.level));

@@ -1,20 +1,19 @@
-//! Background workers that read and decode patches, most urgent first. Requests that are no longer wanted are dropped.
+//! Background workers that read or build patches, most urgent first. Requests that are no longer wanted are dropped.
 
+use super::source::Source;
 use super::textures::TextureMips;
 use super::SceneError;
 use std::collections::HashSet;
-use std::path::Path;
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
-use terrane_planet::lattice::Lattice;
 use terrane_planet::patch::PatchId;
 use terrane_planet::query::PatchGrid;
-use terrane_planet::store::{PlanetFile, StoreError};
+use terrane_planet::store::StoreError;
 use terrane_planet::verify::LoadedPatch;
 
-/// Threads that read and decode.
-const WORKERS: usize = 2;
+/// Least number of workers: reading and decoding alone keeps two busy.
+const LEAST_WORKERS: usize = 2;
 
 /// A patch ready for upload.
 pub(super) struct Loaded {
@@ -47,14 +46,14 @@ pub(super) struct Loader {
 }
 
 impl Loader {
-    /// Starts the workers, each with its own connection to the file.
-    pub(super) fn new(path: &Path, lattice: Lattice, textures: bool) -> Result<Loader, SceneError> {
+    /// Starts the workers, one a processor, each with a source of its own.
+    pub(super) fn new(source: impl Fn() -> Result<Source, StoreError>) -> Result<Loader, SceneError> {
         let shared = Arc::new(Shared { queue: Mutex::default(), changed: Condvar::new() });
         let (sender, arrivals) = channel();
+        let count = std::thread::available_parallelism().map_or(LEAST_WORKERS, usize::from).max(LEAST_WORKERS);
         let mut workers = Vec::new();
-        for _ in 0..WORKERS {
-            let worker =
-                Worker { file: PlanetFile::open(path)?, lattice, textures, shared: shared.clone(), sender: sender.clone() };
+        for _ in 0..count {
+            let worker = Worker { source: source()?, shared: shared.clone(), sender: sender.clone() };
             workers.push(std::thread::spawn(move || worker.run()));
         }
         Ok(Loader { shared, arrivals, workers })
@@ -134,9 +133,7 @@ impl Shared {
 }
 
 struct Worker {
-    file: PlanetFile,
-    lattice: Lattice,
-    textures: bool,
+    source: Source,
     shared: Arc<Shared>,
     sender: Sender<Arrival>,
 }
@@ -144,18 +141,9 @@ struct Worker {
 impl Worker {
     fn run(self) {
         while let Some(id) = self.shared.next() {
-            if self.sender.send((id, self.load(id))).is_err() {
+            if self.sender.send((id, self.source.load(id))).is_err() {
                 return;
             }
         }
-    }
-
-    fn load(&self, id: PatchId) -> Result<Loaded, StoreError> {
-        let mesh = self.file.mesh(id)?;
-        let grid = PatchGrid::of_mesh(&mesh, &self.lattice);
-        let patch = LoadedPatch::new(mesh, &self.lattice);
-        let texture =
-            if self.textures { Some(TextureMips::new(&self.file.texture(id)?, self.file.header().cells)) } else { None };
-        Ok(Loaded { patch, texture, grid })
     }
 }

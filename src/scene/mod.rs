@@ -1,21 +1,27 @@
-//! The scene: which patches of a planet are on the GPU. Nothing here blocks a frame: patches are read and decoded by
-//! background workers, uploaded under a budget, and a patch splits only when all four children are there.
+//! The scene: which patches of a planet are on the GPU. Nothing here blocks a frame: patches are read, or built where no file holds
+//! them, by background workers, uploaded under a budget, and a patch splits only when all four children are there.
 //!
 //! In: a planet file and a view. Out: the cut, and the resident patches that it draws.
 
 mod drawn_ground;
+mod keeper;
 mod loader;
 mod resident;
+mod source;
 mod textures;
 
 pub use drawn_ground::DrawnGround;
+pub use keeper::CacheOptions;
 pub use resident::ResidentPatch;
 pub use textures::TexturePool;
 
 use crate::vulkan::{Commands, Context, Upload, VulkanError};
+use keeper::Keeper;
 use loader::{Loaded, Loader};
+use source::{Source, Tally};
 use std::collections::HashMap;
 use std::path::Path;
+use std::sync::atomic::Ordering;
 use std::sync::Arc;
 use std::time::Duration;
 use terrane_planet::lattice::Lattice;
@@ -30,6 +36,9 @@ use thiserror::Error;
 
 /// Bytes staged at a time.
 const UPLOAD_CHUNK: u64 = 8 << 20;
+
+/// Fewest patches on the GPU: the six whole faces, and the children of one.
+const LEAST_PATCHES: u32 = 10;
 
 /// Updates for which nothing is asked for after a patch was turned away.
 const PATIENCE: u64 = 60;
@@ -59,39 +68,67 @@ pub enum SceneError {
     },
 }
 
+/// Building what the planet file lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnDemand {
+    /// Spacing of samples in metres at which there is nothing finer to be built.
+    pub spacing_m: f64,
+    /// Where built patches are kept for another time; nowhere if `None`.
+    pub cache: Option<CacheOptions>,
+}
+
+/// How a scene came by its patches, since it was opened.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct SceneTally {
+    /// Patches read from a file.
+    pub read: u64,
+    /// Patches built.
+    pub built: u64,
+    /// Seconds that building took, all threads together.
+    pub build_s: f64,
+}
+
 /// What a scene may use.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct SceneOptions {
-    /// Most patches on the GPU at a time, at least 64; with textures also at most the device's limit of image layers.
-    pub capacity: u32,
+    /// Most bytes of patches on the GPU: their vertices, triangle lists and textures. Room for the six whole faces and one set of
+    /// children is always taken, and with textures there are at most as many patches as the device has image layers.
+    pub gpu_bytes: u64,
     /// Whether to load textures (checks of the mesh do without).
     pub textures: bool,
+    /// Whether and how to build what the file lacks.
+    pub on_demand: Option<OnDemand>,
 }
 
 impl SceneOptions {
     /// Every patch that a view asks for, without textures: for checks of the mesh.
     pub fn whole_mesh() -> Self {
-        SceneOptions { capacity: u32::MAX, textures: false }
+        SceneOptions { gpu_bytes: u64::MAX, textures: false, on_demand: None }
     }
 }
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        SceneOptions { capacity: 1280, textures: true }
+        SceneOptions { gpu_bytes: 2 << 30, textures: true, on_demand: None }
     }
 }
 
 /// A planet and its patches on the GPU.
 pub struct Scene {
     context: Arc<Context>,
-    planet: Planet,
+    planet: Arc<Planet>,
     tree: PatchTree,
     resident: HashMap<PatchId, ResidentPatch>,
     ground: DrawnGround,
     textures: TexturePool,
     loader: Loader,
+    // Dropped after the loader, whose workers hand it what they built.
+    _keeper: Option<Keeper>,
+    tally: Arc<Tally>,
     capacity: usize,
+    has_textures: bool,
     frame: u64,
+    settled: bool,
     /// The update in which a patch was last turned away, because all resident ones were in use.
     full_at: Option<u64>,
 }
@@ -100,19 +137,42 @@ impl Scene {
     /// Opens a planet file and loads the six whole faces.
     pub fn open(context: &Arc<Context>, path: &Path, options: SceneOptions) -> Result<Scene, SceneError> {
         let file = PlanetFile::open(path)?;
-        let planet = Planet::from_header(file.header())?;
+        let planet = Arc::new(Planet::from_header(file.header())?);
         let records = file.index()?;
         let missing = PatchId::roots().filter(|root| !records.iter().any(|r| r.id == *root)).count();
-        if missing > 0 {
+        if missing > 0 && options.on_demand.is_none() {
             return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
         }
-        let tree = PatchTree::new(planet.lattice, planet.cells, records.iter().map(PatchFacts::from));
+        let mut tree = PatchTree::new(planet.lattice, planet.cells, records.iter().map(PatchFacts::from));
+        let mut most_patches = u32::try_from(records.len()).unwrap_or(u32::MAX);
+        let mut keeper = None;
+        if let Some(on_demand) = &options.on_demand {
+            tree = tree.built_to(planet.level_of_spacing(on_demand.spacing_m));
+            most_patches = u32::MAX;
+            keeper = on_demand.cache.as_ref().and_then(|cache| Keeper::start(path, file.header(), cache));
+        }
         // Only textures need a layer for each patch.
         let most = if options.textures { context.limits().max_image_array_layers } else { u32::MAX };
-        let capacity = options.capacity.clamp(64, most).min(records.len() as u32);
+        let bytes =
+            resident::bytes_of_patch(planet.cells) + if options.textures { textures::bytes_of_layer(planet.cells) } else { 0 };
+        let capacity = u32::try_from(options.gpu_bytes / bytes).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches);
         let layers = if options.textures { capacity } else { 1 };
         let textures = TexturePool::new(context, planet.cells, layers)?;
-        let loader = Loader::new(path, planet.lattice, options.textures)?;
+        let tally = Arc::new(Tally::default());
+        let loader = Loader::new(|| {
+            let mut files = vec![PlanetFile::open(path)?];
+            if let Some(side) = keeper.as_ref().and_then(|k| k.side.as_ref()) {
+                files.push(PlanetFile::open(side)?);
+            }
+            Ok(Source {
+                files,
+                planet: planet.clone(),
+                builds: options.on_demand.is_some(),
+                textures: options.textures,
+                keeper: keeper.as_ref().and_then(Keeper::handle),
+                tally: tally.clone(),
+            })
+        })?;
         let mut scene = Scene {
             context: context.clone(),
             ground: DrawnGround::new(KnownGround::new(planet.lattice, planet.cells)),
@@ -121,8 +181,12 @@ impl Scene {
             resident: HashMap::new(),
             textures,
             loader,
+            _keeper: keeper,
+            tally,
             capacity: capacity as usize,
+            has_textures: options.textures,
             frame: 0,
+            settled: false,
             full_at: None,
         };
         scene.loader.request(PatchId::roots().map(|id| (id, 0.0)).collect());
@@ -163,6 +227,25 @@ impl Scene {
         &self.ground
     }
 
+    /// Bytes that the patches on the GPU take, textures of absent ones included, and the most they may take.
+    pub fn gpu_bytes(&self) -> (u64, u64) {
+        let meshes: u64 = self.resident.values().map(|patch| patch.buffer().bytes()).sum();
+        let layers = if self.has_textures { self.capacity as u64 * textures::bytes_of_layer(self.planet.cells) } else { 0 };
+        (meshes + layers, self.capacity as u64 * resident::bytes_of_patch(self.planet.cells) + layers)
+    }
+
+    /// How the patches were come by.
+    pub fn tally(&self) -> SceneTally {
+        let [read, built, build_us] =
+            [&self.tally.read, &self.tally.built, &self.tally.build_us].map(|n| n.load(Ordering::Relaxed));
+        SceneTally { read, built, build_s: build_us as f64 * 1e-6 }
+    }
+
+    /// Whether the latest cut lacks nothing that could still be had: another picture of the same view would be the same.
+    pub fn is_settled(&self) -> bool {
+        self.settled
+    }
+
     /// Textures of the resident patches.
     pub fn textures(&self) -> &TexturePool {
         &self.textures
@@ -192,6 +275,7 @@ impl Scene {
         let resident = &self.resident;
         let cut = cut(&self.tree, view, &|id| resident.contains_key(&id));
         self.ground.follow(&cut);
+        self.settled = cut.wanted.is_empty() || self.full_at.is_some();
         self.mark_used(&cut);
         self.request(&cut);
         cut
@@ -248,6 +332,7 @@ impl Scene {
             if self.resident.contains_key(&loaded.patch.mesh.id) {
                 continue;
             }
+            self.tree.insert(PatchFacts::from(&loaded.patch.mesh));
             if self.resident.len() >= self.capacity && !self.evict() {
                 self.full_at = Some(self.frame);
                 continue;

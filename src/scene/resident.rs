@@ -10,6 +10,12 @@ use terrane_planet::verify::{LoadedPatch, Reach};
 /// Bytes of a triangle: three 16-bit places and padding.
 const TRIANGLE_BYTES: u64 = 8;
 
+/// Bytes that a patch of `cells` cells a side takes, about: its vertices, and the triangles of all index levels, twice the finest.
+pub(super) fn bytes_of_patch(cells: u32) -> u64 {
+    let (cells, row) = (u64::from(cells), u64::from(cells) + 1);
+    row * row * size_of::<PatchVertex>() as u64 + 4 * cells * cells * TRIANGLE_BYTES
+}
+
 /// A patch that can be drawn.
 pub struct ResidentPatch {
     /// Box around its own vertices.
@@ -50,8 +56,8 @@ impl ResidentPatch {
     }
 
     /// See [`Reach::level_for`].
-    pub fn level_for(&self, distance: f64, scale: f64) -> IndexLevel {
-        self.reach.level_for(distance, scale)
+    pub fn level_for(&self, distance: f64, reach: f64) -> IndexLevel {
+        self.reach.level_for(distance, reach)
     }
 
     /// Device address of its vertices.

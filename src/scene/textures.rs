@@ -9,6 +9,12 @@ const SLOPE_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
 /// Albedo, decoded from sRGB by the sampler.
 const ALBEDO_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 
+/// Bytes of the textures of one patch of `cells` cells a side, mip levels included.
+pub(super) fn bytes_of_layer(cells: u32) -> u64 {
+    let texels: u64 = (0..MIP_LEVELS).map(|mip| u64::from(texture_side(cells) >> mip).pow(2)).sum();
+    texels * (size_of::<[u16; 2]>() + size_of::<[u8; 4]>()) as u64
+}
+
 /// The texture arrays and their free layers.
 pub struct TexturePool {
     /// Slopes along the patch's two tangents.

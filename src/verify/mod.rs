@@ -40,11 +40,7 @@ pub struct Verifier {
     grids: GridCache,
 }
 
-/// Picture size with which coarse tolerances are certified too.
-const LARGE_PICTURE: [u32; 2] = [3840, 2160];
-
-/// Random views over a planet: places and heights from [`RandomViews`], `tolerances` in turn (at least one). Every other view whose
-/// tolerance is too coarse to be certified gets a picture so large that it may be.
+/// Random views over a planet: places and heights from [`RandomViews`], `tolerances` in turn (at least one).
 pub fn random_views(scene: &Scene, seed: u64, count: usize, tolerances: &[f64]) -> Vec<View> {
     let planet = scene.planet();
     let height = |place: DVec3| planet.terrain.height(place);
@@ -52,14 +48,7 @@ pub fn random_views(scene: &Scene, seed: u64, count: usize, tolerances: &[f64]) 
     let view = |(k, camera): (usize, Camera)| {
         // Places take turns in fours: a shift every round brings every tolerance to every kind of place.
         let tolerance = tolerances[(k + k / 4) % tolerances.len()];
-        let of = |camera| View::new(camera, &planet.lattice, planet.cells, tolerance);
-        let view = of(camera);
-        let enlarge = view.scale < 1.0 && (k / 16) % 2 == 1;
-        if enlarge {
-            of(Camera { size: LARGE_PICTURE, ..camera })
-        } else {
-            view
-        }
+        View::new(camera, &planet.lattice, planet.cells, tolerance)
     };
     cameras.enumerate().map(view).collect()
 }
@@ -87,9 +76,9 @@ impl Verifier {
         let frame = headless.select_whole(scene, &view.without_culling(), &cut, &LOOK)?;
         let leaves = frame.tables.leaves.iter();
         let twins: Vec<Twin> = leaves.filter_map(|leaf| Some(Twin::new(view, leaf, self.patches.get(&leaf.id)?))).collect();
-        let mut report = ViewReport { certified: view.scale >= 1.0, ..ViewReport::default() };
+        let mut report = ViewReport::default();
         report.mismatches.patches = cut.leaves.len() - twins.len();
-        check_surface(scene, &twins, &frame, &headless.read_selection(&frame)?, &mut report);
+        check_surface(scene, view, &twins, &frame, &headless.read_selection(&frame)?, &mut report);
         let culled = headless.select_whole(scene, view, &cut, &LOOK)?;
         check_culled(view, &twins, &culled, &headless.read_selection(&culled)?, &mut report);
         Ok(report)
@@ -111,15 +100,22 @@ impl Verifier {
 }
 
 /// The surface that the GPU emitted without culling, and every stage on the way to it.
-fn check_surface(scene: &Scene, twins: &[Twin], frame: &FrameReport, selection: &Selection, report: &mut ViewReport) {
+fn check_surface(
+    scene: &Scene,
+    view: &View,
+    twins: &[Twin],
+    frame: &FrameReport,
+    selection: &Selection,
+    report: &mut ViewReport,
+) {
     let (lists, stray) = triangles_by_patch(&frame.tables.patches, &selection.triangles);
     report.mismatches.triangles = stray;
     report.triangles = selection.triangles.len();
     report.dropped = overflow(frame);
-    let mut surface = SurfaceCheck::default();
+    let mut surface = SurfaceCheck::new(&view.gpu);
     for ((twin, draw), triangles) in twins.iter().zip(&frame.tables.patches).zip(lists) {
         let before = surface.so_far();
-        surface.add(&twin.known.loaded.vertices, &triangles);
+        surface.add(&twin.known.loaded.vertices, twin.morph_of(draw, selection), &triangles);
         let after = surface.so_far();
         let mismatches = twin.compare_stages(draw, selection);
         report.mismatches += mismatches;
@@ -131,7 +127,7 @@ fn check_surface(scene: &Scene, twins: &[Twin], frame: &FrameReport, selection: 
         faults.degenerate += after.degenerate - before.degenerate;
         match &twin.known.rings {
             Some(rings) if mismatches.patches == 0 => {
-                faults.closure_violations += rings.violations(twin.words_of(draw, selection))
+                faults.closure_violations += rings.violations(twin.words_of(draw, selection), twin.morph_of(draw, selection))
             }
             Some(_) => {}
             None => report.broken_hierarchies += 1,

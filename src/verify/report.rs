@@ -32,6 +32,8 @@ counts! {
         patches,
         /// Awake bits.
         awake,
+        /// Morph weights.
+        morph,
         /// Resolved vertices.
         resolved,
         /// Triangles emitted without culling that only one side has.
@@ -56,8 +58,6 @@ counts! {
 /// What one view showed.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewReport {
-    /// Whether the view's tolerance is one that meshes are certified for.
-    pub certified: bool,
     /// Patches drawn.
     pub patches: usize,
     /// Triangles emitted without culling.
@@ -85,8 +85,6 @@ pub struct ViewReport {
 pub struct VerifyReport {
     /// Views checked.
     pub views: usize,
-    /// Views whose tolerance is coarser than meshes are certified for.
-    pub uncertified_views: usize,
     /// Patches drawn in all views.
     pub patches: usize,
     /// Triangles emitted without culling in all views.
@@ -97,12 +95,10 @@ pub struct VerifyReport {
     pub triangles_after_culling: usize,
     /// Directed edges that nothing cancels.
     pub cracks: usize,
-    /// Faults in certified views, away from the rim of the data.
+    /// Faults away from the rim of the data.
     pub faults: MeshFaults,
-    /// Faults in certified views of patches at the rim of the data.
+    /// Faults of patches at the rim of the data, where closure is not promised.
     pub faults_at_data_rim: MeshFaults,
-    /// Faults in the views that are not certified.
-    pub faults_uncertified: MeshFaults,
     /// Drawn patches whose hierarchy does not replay.
     pub broken_hierarchies: usize,
     /// Triangles that did not fit the index buffer.
@@ -123,14 +119,8 @@ impl VerifyReport {
         self.broken_hierarchies += view.broken_hierarchies;
         self.dropped += view.dropped;
         self.mismatches += view.mismatches;
-        if view.certified {
-            self.faults += view.faults;
-            self.faults_at_data_rim += view.faults_at_data_rim;
-        } else {
-            self.uncertified_views += 1;
-            self.faults_uncertified += view.faults;
-            self.faults_uncertified += view.faults_at_data_rim;
-        }
+        self.faults += view.faults;
+        self.faults_at_data_rim += view.faults_at_data_rim;
     }
 
     /// What breaks a promise, in words; nothing if all is well.

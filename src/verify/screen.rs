@@ -96,12 +96,12 @@ impl Verifier {
         let twins: Vec<Twin> =
             cut.leaves.iter().filter_map(|leaf| Some(Twin::new(view, leaf, self.patches.get(&leaf.id)?))).collect();
         let triangles: Vec<Vec<[u32; 3]>> = twins.iter().map(|twin| twin.emit(None)).collect();
-        let mut surface = SurfaceCheck::default();
+        let mut surface = SurfaceCheck::new(&view.gpu);
         let mut drawn = Vec::with_capacity(twins.len());
         for (twin, triangles) in twins.iter().zip(&triangles) {
             let vertices = &twin.known.loaded.vertices;
-            surface.add(vertices, triangles);
-            drawn.push(Drawn { leaf: twin.leaf, vertices, awake: twin.awake(), triangles });
+            surface.add(vertices, twin.morph(), triangles);
+            drawn.push(Drawn { leaf: twin.leaf, vertices, morph: twin.morph(), triangles });
         }
         let finest = FinestSurface::new(tree, &|id| perturbation.is_resident(id, k), &self.grids);
         let effort = Effort { pixels: rays, finer_samples: rays, seed: k as u64 };
@@ -117,33 +117,22 @@ impl Verifier {
 pub struct ToleranceErrors {
     /// The tolerance in pixels.
     pub tolerance: f64,
-    /// Views that it is promised in.
+    /// Views with it.
     pub views: usize,
     /// What they showed.
-    pub certified: ScreenError,
+    pub error: ScreenError,
     /// Number of the view with the largest error, and how it was drawn.
     pub worst_view: Option<(usize, Perturbation)>,
-    /// Views in which meshes are not certified for it.
-    pub uncertified_views: usize,
-    /// What those showed.
-    pub uncertified: ScreenError,
 }
 
 impl ToleranceErrors {
     fn new(tolerance: f64) -> ToleranceErrors {
-        ToleranceErrors {
-            tolerance,
-            views: 0,
-            certified: ScreenError::default(),
-            worst_view: None,
-            uncertified_views: 0,
-            uncertified: ScreenError::default(),
-        }
+        ToleranceErrors { tolerance, views: 0, error: ScreenError::default(), worst_view: None }
     }
 
     /// Largest error over the tolerance.
     pub fn share(&self) -> f64 {
-        self.certified.readings.max() / self.tolerance
+        self.error.readings.max() / self.tolerance
     }
 }
 
@@ -154,7 +143,7 @@ pub struct ScreenErrors {
     pub by_tolerance: Vec<ToleranceErrors>,
     /// Directed edges that nothing cancels, in perturbed cuts.
     pub cracks: usize,
-    /// Flipped triangles in perturbed cuts of certified views.
+    /// Flipped triangles in perturbed cuts.
     pub flipped: usize,
 }
 
@@ -168,17 +157,12 @@ impl ScreenErrors {
         let known = &mut self.by_tolerance[at];
         let first = usize::from(perturbation == Perturbation::None);
         self.cracks += report.cracks;
-        if view.scale < 1.0 {
-            known.uncertified_views += first;
-            known.uncertified.merge(&report.error);
-            return;
-        }
         self.flipped += report.faults.flipped;
         known.views += first;
-        if report.error.readings.max() > known.certified.readings.max() {
+        if report.error.readings.max() > known.error.readings.max() {
             known.worst_view = Some((k, perturbation));
         }
-        known.certified.merge(&report.error);
+        known.error.merge(&report.error);
     }
 
     /// The tolerance that was kept least.
@@ -190,9 +174,9 @@ impl ScreenErrors {
     pub fn broken_promises(&self) -> Vec<String> {
         let mut broken = Vec::new();
         for t in self.by_tolerance.iter().filter(|t| t.share() > PROMISED_SHARE) {
-            broken.push(format!("screen errors of {:.3} px at a tolerance of {} px", t.certified.readings.max(), t.tolerance));
+            broken.push(format!("screen errors of {:.3} px at a tolerance of {} px", t.error.readings.max(), t.tolerance));
         }
-        let missed: usize = self.by_tolerance.iter().map(|t| t.certified.missed).sum();
+        let missed: usize = self.by_tolerance.iter().map(|t| t.error.missed).sum();
         for (count, what) in [
             (self.cracks, "cracks in perturbed cuts"),
             (self.flipped, "flipped triangles in perturbed cuts"),

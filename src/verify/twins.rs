@@ -7,7 +7,11 @@ use terrane_planet::lattice::Lattice;
 use terrane_planet::layout::{FrameView, PatchDraw, PatchVertex, VERTEX_BITS};
 use terrane_planet::progressive::{IndexLevel, PatchMesh};
 use terrane_planet::reference::cut::{distance_to_box, Leaf};
-use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
+use terrane_planet::reference::{
+    emit::emit,
+    resolve::resolve,
+    select::{select, Selected},
+};
 use terrane_planet::verify::{LoadedPatch, Rings};
 use terrane_planet::view::View;
 
@@ -32,33 +36,33 @@ pub(super) struct Twin<'a> {
     gpu: FrameView,
     level: IndexLevel,
     vertices: &'a [PatchVertex],
-    awake: Vec<u32>,
+    selected: Selected,
     resolved: Vec<u32>,
 }
 
 impl<'a> Twin<'a> {
     pub(super) fn new(view: &View, leaf: &Leaf, known: &'a KnownPatch) -> Twin<'a> {
         let patch = &known.loaded;
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
         let vertices = &patch.vertices[..level.vertices as usize];
-        let awake = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-        let resolved = resolve(vertices, &awake);
-        Twin { known, leaf: *leaf, gpu: view.without_culling().gpu, level, vertices, awake, resolved }
+        let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+        let resolved = resolve(vertices, &selected.awake);
+        Twin { known, leaf: *leaf, gpu: view.without_culling().gpu, level, vertices, selected, resolved }
     }
 
     /// The triangles that `view` draws, or without culling.
     pub(super) fn emit(&self, view: Option<&View>) -> Vec<[u32; 3]> {
         let view = view.map_or(&self.gpu, |view| &view.gpu);
-        emit(view, self.vertices, self.known.loaded.triangles(self.level), &self.resolved)
+        emit(view, self.vertices, self.known.loaded.triangles(self.level), &self.resolved, &self.selected.morph)
     }
 
-    /// Awake bits of the prefix that was selected.
-    pub(super) fn awake(&self) -> &[u32] {
-        &self.awake
+    /// Morph weights of the prefix that was selected.
+    pub(super) fn morph(&self) -> &[f32] {
+        &self.selected.morph
     }
 
     pub(super) fn awake_count(&self) -> usize {
-        self.awake.iter().map(|word| word.count_ones() as usize).sum()
+        self.selected.awake.iter().map(|word| word.count_ones() as usize).sum()
     }
 
     /// The GPU's awake bits of this patch.
@@ -67,7 +71,13 @@ impl<'a> Twin<'a> {
         &selection.awake[start..start + draw.vertex_count.div_ceil(32) as usize]
     }
 
-    /// Differences in table, awake bits and resolved vertices. Patches that were given other tables are not compared further.
+    /// The GPU's morph weights of this patch.
+    pub(super) fn morph_of<'s>(&self, draw: &PatchDraw, selection: &'s Selection) -> &'s [f32] {
+        let start = draw.resolve_offset as usize;
+        &selection.morph[start..start + draw.vertex_count as usize]
+    }
+
+    /// Differences in table, awake bits, morph weights and resolved vertices. Patches that were given other tables are not compared further.
     pub(super) fn compare_stages(&self, draw: &PatchDraw, selection: &Selection) -> Mismatches {
         let tables = (draw.vertex_count, draw.triangle_count, draw.coarser_sides, draw.level);
         if tables != (self.level.vertices, self.level.count, u32::from(self.leaf.coarser_sides), u32::from(self.leaf.id.level)) {
@@ -77,7 +87,8 @@ impl<'a> Twin<'a> {
         let resolved = &selection.resolved[start..start + self.vertices.len()];
         let differing_bits = |(a, b): (&u32, &u32)| (a ^ b).count_ones() as usize;
         Mismatches {
-            awake: self.words_of(draw, selection).iter().zip(&self.awake).map(differing_bits).sum(),
+            awake: self.words_of(draw, selection).iter().zip(&self.selected.awake).map(differing_bits).sum(),
+            morph: self.morph_of(draw, selection).iter().zip(self.morph()).filter(|(a, b)| a != b).count(),
             resolved: resolved.iter().zip(&self.resolved).filter(|(a, b)| a != b).count(),
             ..Mismatches::default()
         }

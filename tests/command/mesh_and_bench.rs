@@ -54,16 +54,19 @@ fn meshes_have_the_triangles_that_the_device_draws() {
     }
     let folder = tempfile::tempdir().unwrap();
     planet_in(folder.path());
+    let mut more_with_geomorphs = false;
     for at in ["10,20,20000", "10,20,500", "-35,100,20"] {
         let view = ["tiny.planet", "--at", at, "--look", "30,-45", "--size", "320x180", "--json", "--out"];
-        let triangles = |command: &str, out: &str| {
-            let output = terrane(&[&[command], &view[..], &[out]].concat(), folder.path());
+        let triangles = |command: &str, more: &[&str]| {
+            let output = terrane(&[&[command], &view[..], more].concat(), folder.path());
             assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
             json(&output.stdout)["triangles"].as_u64().unwrap()
         };
-        let (exported, drawn) = (triangles("mesh", "a.ply"), triangles("shot", "a.png"));
+        let (exported, drawn) = (triangles("mesh", &["a.ply"]), triangles("shot", &["a.png", "--no-geomorphs"]));
         assert!(exported == drawn && drawn > 0, "{at}: {exported} exported, {drawn} drawn");
+        more_with_geomorphs |= triangles("shot", &["a.png"]) > drawn;
     }
+    assert!(more_with_geomorphs, "the option did nothing");
 }
 
 #[test]

@@ -4,5 +4,6 @@
 
 mod harness;
 mod layout;
+mod on_demand;
 mod overflow;
 mod twins;

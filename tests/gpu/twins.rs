@@ -3,8 +3,9 @@
 use crate::harness::{device, Bench};
 use std::process::Command;
 use terrane::verify::{random_views, Mismatches, VerifyReport, TOLERANCES};
+use terrane_planet::layout::PatchVertex;
 use terrane_planet::patch::PatchId;
-use terrane_planet::reference::select::is_awake;
+use terrane_planet::reference::select::morph_weight;
 use terrane_planet::view::View;
 use terrane_planet::wake::Wake;
 
@@ -50,18 +51,18 @@ fn other_subgroup_widths_give_the_same_mesh() {
     }
 }
 
-/// The first vertex of a view that is awake and could sleep.
-fn awake_vertex(bench: &mut Bench, view: &View) -> (PatchId, usize) {
+/// The first vertex of a view that is awake, could sleep, and has a morph weight that fits.
+fn awake_vertex(bench: &mut Bench, view: &View, fits: impl Fn(f32) -> bool) -> (PatchId, usize) {
     for leaf in bench.scene.settle(view).unwrap().leaves {
         let vertices = &bench.verifier.patch_mut(leaf.id).unwrap().vertices;
         let could_sleep = |wakes: u32| wakes >> 16 < u32::from(Wake::ALWAYS.code());
-        let found =
-            vertices.iter().position(|v| could_sleep(v.grid_own) && is_awake(&view.gpu, v, u32::from(leaf.coarser_sides)));
+        let weight = |v: &PatchVertex| morph_weight(&view.gpu, v, u32::from(leaf.coarser_sides));
+        let found = vertices.iter().position(|v| could_sleep(v.grid_own) && weight(v).is_some_and(&fits));
         if let Some(found) = found {
             return (leaf.id, found);
         }
     }
-    panic!("nothing but corners is awake");
+    panic!("no vertex is like that");
 }
 
 #[test]
@@ -69,13 +70,27 @@ fn one_wake_that_differs_on_the_cpu_is_noticed() {
     let Some(context) = device() else { return };
     let mut bench = Bench::new(&context);
     let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
-    let (id, k) = awake_vertex(&mut bench, &view);
+    let (id, k) = awake_vertex(&mut bench, &view, |_| true);
     let vertex = &mut bench.verifier.patch_mut(id).unwrap().vertices[k];
     vertex.grid_own &= 0xffff;
     vertex.parent_coarser &= 0xffff;
     let found = bench.verifier.check(&mut bench.scene, &mut bench.headless, &view).unwrap().mismatches;
     assert_eq!((found.awake, found.counters, found.patches), (1, 1, 0));
     assert!(found.resolved > 0 && found.triangles > 0, "{found:?}");
+}
+
+#[test]
+fn one_morph_weight_that_differs_on_the_cpu_is_noticed() {
+    let Some(context) = device() else { return };
+    let mut bench = Bench::new(&context);
+    let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
+    let (id, k) = awake_vertex(&mut bench, &view, |weight| (0.2..0.8).contains(&weight));
+    // The next wake is a thousandth longer: a thirtieth of the way.
+    let vertex = &mut bench.verifier.patch_mut(id).unwrap().vertices[k];
+    vertex.grid_own += 1 << 16;
+    vertex.parent_coarser += 1 << 16;
+    let found = bench.verifier.check(&mut bench.scene, &mut bench.headless, &view).unwrap().mismatches;
+    assert_eq!(found, Mismatches { morph: 1, culled_triangles: found.culled_triangles, ..Mismatches::default() });
 }
 
 #[test]

@@ -134,7 +134,9 @@ pub fn bake(
     if let Some(region) = &plan.region {
         file.note_region(region)?;
     }
-    let skipped = plan.patches.len() - missing.len();
+    let there: Vec<PatchId> = plan.patches.iter().copied().filter(|id| stored.contains(id)).collect();
+    file.keep(&there)?;
+    let skipped = there.len();
     let mut summary = BakeSummary { planned: plan.patches.len(), skipped, ..BakeSummary::default() };
     let vertices = u64::from(ground.cells + 1).pow(2);
     let next = AtomicUsize::new(0);

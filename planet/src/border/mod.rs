@@ -85,7 +85,18 @@ impl BorderLine {
     pub fn canonical_wakes(&self, ground: &Ground, level: u8, count: usize, kappa: f64) -> Vec<Wake> {
         let rows = self.sample(ground, level, count);
         let strips = self.strips(&rows);
-        wakes_of_rows(&rows, &strips, self.first_index(ground, level), kappa)
+        wakes_of_rows(&rows, &strips, self.first_index(ground, level), count / 2, kappa)
+    }
+
+    /// The largest wake, in lattice units, of the vertices that the next finer level has on the line and this one has not. They depend
+    /// on few samples around each.
+    pub fn child_wake(&self, ground: &Ground, level: u8, kappa: f64) -> f64 {
+        let wakes = |finer: u8| {
+            let rows = self.sample(ground, level + finer, (ground.cells as usize) << finer);
+            wakes_of_rows(&rows, &self.strips(&rows), self.first_index(ground, level + finer), finer.into(), kappa)
+        };
+        let [own, finer] = [wakes(1), wakes(2)];
+        (1..own.len()).step_by(2).map(|k| own[k].max(finer[2 * k]).distance()).fold(0.0, f64::max)
     }
 
     /// `V = max(W of this level, W of the next finer level)`: the wakes that both levels of patches along the line agree on. In: the
@@ -117,13 +128,14 @@ fn window(step: usize) -> usize {
     step / 3 + 1
 }
 
-fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], strips: &[Strip; 2], first: i64, kappa: f64) -> Vec<Wake> {
+/// Wakes of samples that collapse at steps up to `most_step`; the others have only what those ask of them, unrounded.
+fn wakes_of_rows(rows: &[Vec<SurfacePoint>; 3], strips: &[Strip; 2], first: i64, most_step: usize, kappa: f64) -> Vec<Wake> {
     let line = &rows[0];
     let cells = line.len() - 1;
     let mut wanted = vec![0.0f64; cells + 1];
     let mut wakes = vec![Wake::ASLEEP; cells + 1];
     let mut step = 1;
-    while step < cells {
+    while step <= most_step {
         for b in (step..cells).step_by(2 * step) {
             let (a, c) = (b - step, b + step);
             let target = (targets(first + b as i64).0 - first) as usize;
@@ -195,7 +207,7 @@ mod tests {
         let mut rows = [0, 1, 2].map(|r| (0..=16).map(|i| at(f64::from(i), f64::from(r), 1e6)).collect::<Vec<_>>());
         let wakes = |rows: &[Vec<SurfacePoint>; 3]| {
             let strips = [1, 2].map(|k| Strip::new(&rows[0], &rows[k], 0, 2));
-            wakes_of_rows(rows, &strips, 0, 0.003)
+            wakes_of_rows(rows, &strips, 0, 8, 0.003)
         };
         let flat = wakes(&rows);
         rows[0][5] = at(5.0, 0.0, 1e6 + 3.0);

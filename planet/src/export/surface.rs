@@ -58,7 +58,7 @@ impl Welded {
     }
 }
 
-/// The surface that a view draws of all stored patches; `load` reads one. `whole` draws what is out of sight too, which makes
+/// The surface that a view draws of all stored patches without geomorphs, so that every vertex is on the lattice; `load` reads one. `whole` draws what is out of sight too, which makes
 /// one closed surface around the planet.
 ///
 /// # Errors
@@ -69,7 +69,7 @@ pub fn view_surface<E>(
     whole: bool,
     mut load: impl FnMut(PatchId) -> Result<LoadedPatch, E>,
 ) -> Result<Welded, E> {
-    let view = if whole { view.without_culling() } else { *view };
+    let view = if whole { view.without_culling() } else { *view }.without_geomorphs();
     let mut surface = Welded::default();
     for leaf in cut(tree, &view, &|_| true).leaves {
         if whole || tree.get(leaf.id).is_some_and(|node| is_visible(tree, &view, node)) {
@@ -82,8 +82,9 @@ pub fn view_surface<E>(
 
 /// The triangles that a view draws of a patch.
 fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch) -> Vec<[u32; 3]> {
-    let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.scale);
+    let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
     let vertices = &patch.vertices[..level.vertices as usize];
-    let awake = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-    emit(&view.gpu, vertices, patch.triangles(level), &resolve(vertices, &awake))
+    let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+    let resolved = resolve(vertices, &selected.awake);
+    emit(&view.gpu, vertices, patch.triangles(level), &resolved, &selected.morph)
 }

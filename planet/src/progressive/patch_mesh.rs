@@ -1,8 +1,9 @@
 //! A built patch: what the builder hands to the planet file and the planet file to the run time.
 
+use crate::border::BorderLine;
 use crate::ground::{Ground, HeightGrid};
 use crate::lattice::LatticeBox;
-use crate::patch::PatchId;
+use crate::patch::{PatchId, Side, MAX_LEVEL};
 use crate::simplify::border_rules::BorderRules;
 use crate::simplify::builder::{build, Faults, Hierarchy};
 use crate::simplify::surface::Surface;
@@ -47,8 +48,8 @@ pub struct PatchMesh {
     pub heights: [i32; 2],
     /// Largest radial distance in lattice units of the next level's samples from this patch's full grid.
     pub deviation: f64,
-    /// Largest own wake of the odd vertices on the parent's boundary, in lattice units.
-    pub odd_wake: f64,
+    /// Largest wake that a vertex of its children has on its sides where it has none itself, lattice units.
+    pub child_wake: f64,
 }
 
 impl PatchMesh {
@@ -56,7 +57,6 @@ impl PatchMesh {
     pub fn build(ground: &Ground, id: PatchId, grid: &HeightGrid) -> (PatchMesh, Faults) {
         let surface = Surface::new(ground, grid);
         let rules = BorderRules::new(ground, id, KAPPA_BUILD);
-        let odd_wake = odd_wake(&rules, id, ground.cells);
         let hierarchy = build(&surface, rules, KAPPA_BUILD);
         let vertices = in_wake_order(&surface, &hierarchy);
         let low = surface.heights.iter().copied().min().unwrap_or(0);
@@ -68,7 +68,7 @@ impl PatchMesh {
             bounds: surface.bounds,
             heights: [low, high],
             deviation: surface.deviation,
-            odd_wake,
+            child_wake: child_wake(ground, id),
         };
         (mesh, hierarchy.faults)
     }
@@ -79,13 +79,13 @@ impl PatchMesh {
     }
 }
 
-/// Largest own wake of the vertices that only this level has, on the sides shared with the parent.
-fn odd_wake(rules: &BorderRules, id: PatchId, cells: u32) -> f64 {
-    use crate::patch::Side;
-    use crate::simplify::border_rules::vertex_on_side;
-    let sides = Side::ALL.into_iter().filter(|&side| id.on_parent_boundary(side));
-    let odd = sides.flat_map(|side| (1..cells as usize).step_by(2).map(move |k| vertex_on_side(side, k, cells as usize)));
-    odd.map(|v| rules.own[v].distance()).fold(0.0, f64::max)
+/// Largest wake that a vertex of the children has on this patch's sides where this patch has none.
+fn child_wake(ground: &Ground, id: PatchId) -> f64 {
+    if id.level == MAX_LEVEL {
+        return 0.0;
+    }
+    let wake = |side| BorderLine::of_side(id, side).child_wake(ground, id.level, KAPPA_BUILD);
+    Side::ALL.into_iter().map(wake).fold(0.0, f64::max)
 }
 
 fn in_wake_order(surface: &Surface, hierarchy: &Hierarchy) -> Vec<Vertex> {

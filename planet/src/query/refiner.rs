@@ -5,7 +5,7 @@
 
 use super::known_ground::KnownGround;
 use super::patch_grid::PatchGrid;
-use crate::patch::{PatchId, MAX_LEVEL};
+use crate::patch::PatchId;
 use crate::planet::Planet;
 use glam::DVec3;
 use std::collections::VecDeque;
@@ -55,9 +55,7 @@ impl Refiner {
     /// Asks for ground in a direction (of any length but zero) whose samples are at most `spacing` metres apart, or as near as patches
     /// get. Requests are served in turn.
     pub fn refine(&self, direction: DVec3, spacing: f64) -> Refinement {
-        let known = self.shared.known.read().unwrap_or_else(PoisonError::into_inner);
-        let level = (0..MAX_LEVEL).find(|&level| known.spacing(level) <= spacing).unwrap_or(MAX_LEVEL);
-        drop(known);
+        let level = self.shared.planet.level_of_spacing(spacing);
         let request = Arc::new(Request { direction: direction.normalize_or(DVec3::X), level });
         self.shared.lock().waiting.push_back(Arc::downgrade(&request));
         self.shared.changed.notify_all();

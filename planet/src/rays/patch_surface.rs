@@ -1,21 +1,22 @@
-//! The triangles of one patch, to be hit by rays: found by obvhs, decided in f64 on exact lattice corners.
+//! The triangles of one patch, to be hit by rays: found by obvhs, decided in f64 on exact corners.
 
 use super::box_tree::BoxTree;
 use super::Ray;
 use crate::lattice::{Lattice, LatticeBox};
 use crate::layout::PatchVertex;
 use crate::progressive::PatchMesh;
+use crate::reference::place::exact_place;
 use crate::simplify::mesh::grid_triangles;
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use std::sync::Arc;
 
 /// Grid cells along a side of a group: all triangles of a group share one box, which keeps full grids small in memory.
 const GROUP: u32 = 4;
 
-/// Triangles of one patch.
-pub struct PatchSurface {
+/// Triangles of one patch, with corners on the lattice or between its points.
+pub struct PatchSurface<P = IVec3> {
     /// Exact corners; those of a full grid by grid number.
-    pub positions: Vec<IVec3>,
+    pub positions: Vec<P>,
     triangles: Arc<[[u32; 3]]>,
     group: usize,
     boxes: BoxTree,
@@ -49,17 +50,25 @@ impl PatchSurface {
     pub fn of_positions(positions: Vec<IVec3>, triangles: &Arc<[[u32; 3]]>) -> PatchSurface {
         PatchSurface::new(positions, triangles.clone(), (2 * GROUP * GROUP) as usize)
     }
+}
 
-    /// Drawn triangles of a patch, as places in `vertices`.
-    pub fn of_drawn(vertices: &[PatchVertex], triangles: &[[u32; 3]]) -> PatchSurface {
-        let positions = vertices.iter().map(|v| IVec3::from_array(v.position)).collect();
+impl PatchSurface<DVec3> {
+    /// Drawn triangles of a patch, as places in `vertices`. `morph` holds the weights of as many vertices as triangles use.
+    pub fn of_drawn(vertices: &[PatchVertex], morph: &[f32], triangles: &[[u32; 3]]) -> Self {
+        let positions = (0u32..).zip(morph).map(|(v, &weight)| exact_place(vertices, v, weight)).collect();
         PatchSurface::new(positions, triangles.into(), 1)
     }
+}
 
-    fn new(positions: Vec<IVec3>, triangles: Arc<[[u32; 3]]>, group: usize) -> PatchSurface {
+impl<P: Copy + Into<DVec3>> PatchSurface<P> {
+    fn new(positions: Vec<P>, triangles: Arc<[[u32; 3]]>, group: usize) -> Self {
         let around = |group: &[[u32; 3]]| {
             let mut bounds = LatticeBox::EMPTY;
-            group.iter().flatten().for_each(|&v| bounds.include(positions[v as usize]));
+            for &v in group.iter().flatten() {
+                let place: DVec3 = positions[v as usize].into();
+                bounds.include(place.floor().as_ivec3());
+                bounds.include(place.ceil().as_ivec3());
+            }
             bounds
         };
         let boxes: Vec<LatticeBox> = triangles.chunks(group).map(around).collect();
@@ -69,20 +78,31 @@ impl PatchSurface {
 
     /// Distance along the ray to the nearest triangle.
     pub fn nearest(&self, ray: &Ray) -> Option<f64> {
+        self.nearest_triangle(ray).map(|(distance, _)| distance)
+    }
+
+    /// The nearest triangle on the ray, and its distance.
+    pub fn nearest_triangle(&self, ray: &Ray) -> Option<(f64, [u32; 3])> {
+        let mut nearest: Option<(f64, [u32; 3])> = None;
         let in_group = |k: usize| {
             let first = k * self.group;
             let last = (first + self.group).min(self.triangles.len());
-            let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize].as_dvec3());
-            self.triangles[first..last].iter().filter_map(|t| ray.distance_to(corners(t), 0.0)).reduce(f64::min)
+            let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize].into());
+            let hits = self.triangles[first..last].iter().filter_map(|t| Some((ray.distance_to(corners(t), 0.0)?, *t)));
+            let (distance, triangle) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
+            if nearest.is_none_or(|(found, _)| distance < found) {
+                nearest = Some((distance, triangle));
+            }
+            Some(distance)
         };
-        self.boxes.nearest(ray, in_group)
+        self.boxes.nearest(ray, in_group);
+        nearest
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use glam::DVec3;
 
     fn vertex(position: [i32; 3]) -> PatchVertex {
         PatchVertex { position, ..Default::default() }
@@ -92,7 +112,7 @@ mod tests {
     fn heights_of_a_triangle_far_from_the_centre_are_exact() {
         let far = 1 << 30;
         let vertices = [[far, 0, 0], [far, 900, 0], [far + 300, 0, 900]].map(vertex);
-        let surface = PatchSurface::of_drawn(&vertices, &[[0, 1, 2]]);
+        let surface = PatchSurface::of_drawn(&vertices, &[0.0; 3], &[[0, 1, 2]]);
         let through = DVec3::new(f64::from(far) + 100.0, 300.0, 300.0);
         let found = surface.nearest(&Ray::radial(through)).unwrap();
         assert!((found - through.length()).abs() < 1e-5, "{}", found - through.length());
@@ -106,7 +126,7 @@ mod tests {
         // Two walls of a valley, a cell of 77 lattice units wide: a ray two units beside its floor meets the near wall only.
         let far = 1 << 30;
         let corners = [[far + 60, -77, 0], [far, 0, 0], [far, 0, 77], [far + 60, 77, 0]];
-        let surface = PatchSurface::of_drawn(&corners.map(vertex), &[[0, 1, 2], [1, 3, 2]]);
+        let surface = PatchSurface::of_drawn(&corners.map(vertex), &[0.0; 4], &[[0, 1, 2], [1, 3, 2]]);
         for aside in [-2.0, 2.0] {
             let found = surface.nearest(&Ray::radial(DVec3::new(f64::from(far), aside, 10.0))).unwrap();
             assert!((found - f64::from(far) - 2.0 * 60.0 / 77.0).abs() < 1e-3, "{}", found - f64::from(far));

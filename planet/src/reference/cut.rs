@@ -13,8 +13,8 @@ use std::collections::HashSet;
 /// Pixels that a texel may cover before a patch splits for its texture's sake.
 pub const TEXEL_PIXELS: f64 = 2.0;
 
-/// Weight of the distance outside the frustum for the sake of textures: nothing depends on them but what is seen.
-const TEXTURE_FALLOFF: f64 = 4.0;
+/// Weight of the distance outside the frustum for the sake of what is seen only: detail and textures.
+const SEEN_FALLOFF: f64 = 4.0;
 
 /// One drawn patch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -77,12 +77,16 @@ pub fn cut_by(tree: &PatchTree, urgency: &dyn Fn(PatchId, &PatchNode) -> f64, re
     result
 }
 
-/// Distance over split distance: below 1 a patch of a level splits, for its geometry's or for its texture's sake.
+/// Distance over split distance: below 1 a patch of a level splits, for closure's sake or for that of what is seen of it.
 pub fn urgency(tree: &PatchTree, view: &View, level: u8, node: &PatchNode) -> f64 {
     let (nearest, outside) = nearest_and_outside(view, &node.bounds);
-    let geometry = (nearest + view.falloff * outside) / (view.scale * node.split_wake);
-    let texture = (nearest + TEXTURE_FALLOFF * outside) / texture_distance(tree, view, level);
-    geometry.min(texture)
+    let closure = (nearest + view.falloff * outside) / (view.scale * node.closure_wake);
+    let finest_at = (view.scale * node.detail_wake).max(texture_distance(tree, view, level));
+    let seen = (nearest + SEEN_FALLOFF * outside) / finest_at;
+    if seen < 1.0 && below_horizon(tree, view, node) {
+        return closure;
+    }
+    closure.min(seen)
 }
 
 struct Search<'a> {
@@ -96,7 +100,7 @@ struct Search<'a> {
 
 impl Search<'_> {
     fn refine(&mut self, id: PatchId) {
-        let Some(node) = self.tree.get(id).filter(|n| n.has_children) else { return };
+        let Some(node) = self.tree.get(id).filter(|_| self.tree.can_split(id)) else { return };
         let urgency = (self.urgency)(id, node);
         if urgency < 1.0 && self.ensure_split(id, urgency) {
             id.children().into_iter().flatten().for_each(|child| self.refine(child));
@@ -111,9 +115,9 @@ impl Search<'_> {
         if self.refused.contains(&id) {
             return false;
         }
-        let stored = self.tree.get(id).is_some_and(|n| n.has_children);
-        let ready = stored && id.children().into_iter().flatten().all(self.resident);
-        if stored && !ready {
+        let possible = self.tree.get(id).is_some() && self.tree.can_split(id);
+        let ready = possible && id.children().into_iter().flatten().all(self.resident);
+        if possible && !ready {
             self.wanted.push((id, urgency));
         }
         // Every neighbour of this level must exist, even if this one cannot split yet: its data is wanted all the same.
@@ -143,13 +147,14 @@ fn collect(id: PatchId, split: &HashSet<PatchId>, leaves: &mut Vec<Leaf>) {
 /// Whether a drawn patch lies at the rim of the stored data: next to a coarser patch that has no children to split into. There
 /// the error is that coarser patch's own, and closure breaks, because vertices that only the finer side has must sleep.
 pub fn at_data_rim(tree: &PatchTree, leaf: &Leaf) -> bool {
-    beside_coarser(leaf, &|coarser| tree.get(coarser).is_none_or(|node| !node.has_children))
+    sides_beside(leaf, &|coarser| !tree.can_split(coarser)) != 0
 }
 
-/// Whether a drawn patch lies beside a coarser one for which a condition holds.
-pub fn beside_coarser(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> bool {
+/// Sides (bits of [`Side::bit`]) across which a drawn patch has a coarser neighbour for which a condition holds.
+pub fn sides_beside(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> u8 {
     let drawn_coarser = Side::ALL.iter().filter(|side| leaf.coarser_sides & side.bit() != 0);
-    drawn_coarser.filter_map(|&side| leaf.id.neighbour(side).parent()).any(condition)
+    let holds = |side: &&Side| leaf.id.neighbour(**side).parent().is_some_and(condition);
+    drawn_coarser.filter(holds).fold(0, |bits, side| bits | side.bit())
 }
 
 /// Whether any of a patch can be seen: inside the frustum, and not wholly below the horizon of the planet's lowest ground.

@@ -4,5 +4,6 @@
 
 pub mod cut;
 pub mod emit;
+pub mod place;
 pub mod resolve;
 pub mod select;

@@ -1,16 +1,19 @@
-//! Twin of `select.comp`: which vertices of a patch are awake.
+//! Twin of `select.comp`: which vertices of a patch are awake, and how far each is on its way to its parent's place.
 //!
 //! Every operation is a single-precision IEEE operation in the order of the shader, which marks them `precise`.
 
+use super::place::relative;
 use crate::layout::{FrameView, PatchVertex};
 use crate::wake::Wake;
 use glam::Vec3;
 
-/// Camera-relative position in lattice units: integers first.
-#[inline]
-pub fn relative(view: &FrameView, position: [i32; 3]) -> Vec3 {
-    let difference = |k: usize| position[k].wrapping_sub(view.anchor[k]) as f32 - view.offset[k];
-    Vec3::new(difference(0), difference(1), difference(2))
+/// What a view selects of a patch, or of a prefix of its vertices.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selected {
+    /// Awake bits, 32 a word.
+    pub awake: Vec<u32>,
+    /// Morph weight of each vertex, see [`super::place`]; 1 for those that sleep.
+    pub morph: Vec<f32>,
 }
 
 #[inline]
@@ -32,35 +35,83 @@ pub fn on_sides(grid: u32, cells: u32, sides: u32) -> bool {
     (sides & 1 != 0 && i == 0) || (sides & 2 != 0 && i == cells) || (sides & 4 != 0 && j == 0) || (sides & 8 != 0 && j == cells)
 }
 
-/// Whether one vertex is awake.
+/// The morph weight of a vertex that is awake; `None` if it sleeps.
 #[inline]
-pub fn is_awake(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) -> bool {
+pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) -> Option<f32> {
     let coarser = coarser_sides != 0 && on_sides(vertex.grid(), view.cells, coarser_sides);
     let code = if coarser { vertex.parent_coarser } else { vertex.grid_own } >> 16;
     if code == u32::from(Wake::ALWAYS.code()) {
-        return true;
+        return Some(0.0);
     }
     if code == 0 {
-        return false;
+        return None;
     }
+    let wake = distance(code);
     let p = relative(view, vertex.position);
     let outside = view.planes.iter().map(|&n| dot(p, n)).fold(0.0f32, f32::max);
-    let reach = view.scale * distance(code) - view.falloff * outside;
+    let falloff = view.falloff * outside;
+    let reach = view.reach * wake - falloff;
     let squared = p.x * p.x + p.y * p.y + p.z * p.z;
-    reach > 0.0 && squared < reach * reach
+    if reach <= 0.0 || squared >= reach * reach {
+        return None;
+    }
+    let slide = ((squared.sqrt() + falloff) / wake - view.scale) * view.morph_rate;
+    Some(slide.clamp(0.0, 1.0))
 }
 
-/// Awake bits of the first `vertices.len()` vertices of a patch, 32 a word.
-pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) -> Vec<u32> {
-    let word = |chunk: &[PatchVertex]| {
-        chunk.iter().enumerate().fold(0, |bits, (k, v)| bits | u32::from(is_awake(view, v, coarser_sides)) << k)
-    };
-    vertices.chunks(32).map(word).collect()
+/// Selects among the first `vertices.len()` vertices of a patch.
+pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) -> Selected {
+    let mut selected = Selected { awake: vec![0; vertices.len().div_ceil(32)], morph: Vec::with_capacity(vertices.len()) };
+    for (k, vertex) in vertices.iter().enumerate() {
+        let weight = morph_weight(view, vertex, coarser_sides);
+        selected.awake[k / 32] |= u32::from(weight.is_some()) << (k % 32);
+        selected.morph.push(weight.unwrap_or(1.0));
+    }
+    selected
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::lattice::Lattice;
+    use crate::view::{Camera, View};
+    use crate::wake::MORPH_REACH;
+    use glam::DVec3;
+
+    /// A vertex of some wake `share` of scale times its wake ahead of a camera, and the view.
+    fn ahead(share: f64) -> (View, PatchVertex) {
+        let camera = Camera::looking(DVec3::new(6.4e6, 0.0, 0.0), 0.0, -90.0, 1.0, [1280, 720]);
+        let view = View::new(camera, &Lattice::new(6.371e6, 9e3), 128, 0.7);
+        let wake = Wake::round_up(1e5);
+        let place = view.eye + view.camera.forward * (share * view.scale * wake.distance());
+        let vertex = PatchVertex {
+            position: place.round().as_ivec3().to_array(),
+            grid_own: u32::from(wake.code()) << 16,
+            ..Default::default()
+        };
+        (view, vertex)
+    }
+
+    #[test]
+    fn a_vertex_wakes_in_its_parents_place_and_is_in_its_own_at_its_wake() {
+        let weight = |share: f64| {
+            let (view, vertex) = ahead(share);
+            morph_weight(&view.gpu, &vertex, 0)
+        };
+        assert_eq!([0.2, 0.9, 0.9999].map(weight), [Some(0.0); 3]);
+        let half = weight(1.0 + (MORPH_REACH - 1.0) / 2.0).unwrap();
+        assert!((half - 0.5).abs() < 1e-3, "{half}");
+        assert!(weight(MORPH_REACH - 1e-5).unwrap() > 0.999 && weight(MORPH_REACH + 1e-5).is_none());
+    }
+
+    #[test]
+    fn without_geomorphs_a_vertex_is_in_its_own_place_or_asleep() {
+        let weight = |share: f64| {
+            let (view, vertex) = ahead(share);
+            morph_weight(&view.without_geomorphs().gpu, &vertex, 0)
+        };
+        assert_eq!((weight(0.9999), weight(1.0001)), (Some(0.0), None));
+    }
 
     #[test]
     fn shader_wakes_equal_builder_wakes() {

@@ -18,8 +18,8 @@ pub struct PatchRecord {
     pub heights: [i32; 2],
     /// Largest radial distance in lattice units of the next level's samples from this patch's full grid.
     pub deviation: f64,
-    /// Largest own wake of the odd vertices on the parent's boundary, in lattice units.
-    pub odd_wake: f64,
+    /// Largest wake that a vertex of its children has on its sides where it has none itself, lattice units.
+    pub child_wake: f64,
     /// Number of vertices that never collapse.
     pub always_awake: u32,
     /// Size of the geometry record.
@@ -52,7 +52,7 @@ impl BakedPatch {
             bounds: mesh.bounds,
             heights: mesh.heights,
             deviation: mesh.deviation,
-            odd_wake: mesh.odd_wake,
+            child_wake: mesh.child_wake,
             always_awake: mesh.always_awake() as u32,
             geometry_bytes: geometry.len() as u32,
             texture_bytes: texture.len() as u32,

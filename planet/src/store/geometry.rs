@@ -60,7 +60,7 @@ fn write(mesh: &PatchMesh, numbers: &[Vec<u32>; STREAMS.len()]) -> Vec<u8> {
         record.plain(&number.to_le_bytes());
     }
     record.plain(&mesh.deviation.to_le_bytes());
-    record.plain(&mesh.odd_wake.to_le_bytes());
+    record.plain(&mesh.child_wake.to_le_bytes());
     for ((_, planes), numbers) in STREAMS.into_iter().zip(numbers) {
         (0..planes).for_each(|p| record.stream(&plane(numbers, p)));
     }
@@ -81,7 +81,7 @@ pub fn decode(bytes: &[u8], id: PatchId, cells: u32) -> Result<PatchMesh, Record
     let mut corner = || Ok(IVec3::new(record.i32("bounds")?, record.i32("bounds")?, record.i32("bounds")?));
     let bounds = LatticeBox { low: corner()?, high: corner()? };
     let heights = [record.i32("heights")?, record.i32("heights")?];
-    let (deviation, odd_wake) = (record.f64("deviation")?, record.f64("odd wake")?);
+    let (deviation, child_wake) = (record.f64("deviation")?, record.f64("child wake")?);
     let mut streams = Vec::with_capacity(STREAMS.len());
     for (name, planes) in STREAMS {
         let mut numbers = vec![0u32; count];
@@ -92,7 +92,7 @@ pub fn decode(bytes: &[u8], id: PatchId, cells: u32) -> Result<PatchMesh, Record
     }
     record.finish()?;
     let vertices = vertices(&streams, cells)?;
-    let mesh = PatchMesh { id, cells, vertices, bounds, heights, deviation, odd_wake };
+    let mesh = PatchMesh { id, cells, vertices, bounds, heights, deviation, child_wake };
     validate(&mesh)?;
     Ok(mesh)
 }
@@ -127,7 +127,7 @@ fn validate(mesh: &PatchMesh) -> Result<(), RecordError> {
     if mesh.heights != [low, high] {
         return Err(RecordError::Measure("the height range is not that of the vertices"));
     }
-    measures_are_valid(mesh.bounds, mesh.heights, mesh.deviation, mesh.odd_wake).map_err(RecordError::Measure)
+    measures_are_valid(mesh.bounds, mesh.heights, mesh.deviation, mesh.child_wake).map_err(RecordError::Measure)
 }
 
 /// Checks bounds and measures alone.
@@ -135,7 +135,7 @@ pub(super) fn measures_are_valid(
     bounds: LatticeBox,
     heights: [i32; 2],
     deviation: f64,
-    odd_wake: f64,
+    child_wake: f64,
 ) -> Result<(), &'static str> {
     let inside = |p: IVec3| p.cmpge(IVec3::splat(-EXTENT)).all() && p.cmple(IVec3::splat(EXTENT)).all();
     if !inside(bounds.low) || !inside(bounds.high) || !bounds.low.cmple(bounds.high).all() {
@@ -145,7 +145,7 @@ pub(super) fn measures_are_valid(
         return Err("the lowest vertex is above the highest");
     }
     // An odd wake may be infinite: stuck border vertices never sleep.
-    if !(deviation >= 0.0 && deviation.is_finite() && odd_wake >= 0.0) {
+    if !(deviation >= 0.0 && deviation.is_finite() && child_wake >= 0.0) {
         return Err("deviation or odd wake is negative or not a number");
     }
     Ok(())
@@ -261,7 +261,7 @@ mod tests {
             bounds: LatticeBox { low: IVec3::splat(-5), high: IVec3::splat(5) },
             heights: [-7, -7],
             deviation: 0.5,
-            odd_wake: f64::INFINITY,
+            child_wake: f64::INFINITY,
         }
     }
 

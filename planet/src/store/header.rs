@@ -28,6 +28,13 @@ pub struct PlanetHeader {
     pub height_range: [f64; 2],
 }
 
+impl PlanetHeader {
+    /// Checksum over all of it, and over what the builder takes as given.
+    pub fn checksum(&self) -> u32 {
+        header_checksum(self, crate::KAPPA, crate::DEVIATION_SHARE)
+    }
+}
+
 /// Makes an empty planet file beside `path` and moves it there when it is complete, so that `path` never holds half a file.
 pub(super) fn create(path: &Path, header: &PlanetHeader) -> Result<(), StoreError> {
     let mut name = path.as_os_str().to_owned();
@@ -52,7 +59,7 @@ fn write_header(draft: &Path, header: &PlanetHeader) -> rusqlite::Result<()> {
     let transaction = connection.transaction()?;
     transaction.execute_batch(TABLES)?;
     let (lattice, [lowest, highest]) = (header.lattice, header.height_range);
-    let checksum = header_checksum(header, crate::KAPPA, crate::DEVIATION_SHARE);
+    let checksum = header.checksum();
     transaction.execute(
         "INSERT INTO planet VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)",
         params![

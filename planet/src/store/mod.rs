@@ -4,6 +4,7 @@
 //! self-contained records ([`record`]): versioned, checksummed, one compressed stream a field ([`geometry`], [`imagery`]).
 
 mod baked;
+mod cached;
 mod error;
 pub mod geometry;
 mod header;

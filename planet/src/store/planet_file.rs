@@ -8,7 +8,7 @@ use super::baked::{BakedPatch, PatchRecord};
 use super::error::{failure, RecordError, StoreError};
 use super::header::{self, PlanetHeader};
 use super::schema::check_stamp;
-use super::{geometry, imagery, rows};
+use super::{cached, geometry, imagery, rows};
 use crate::bake::Region;
 use crate::patch::PatchId;
 use crate::progressive::PatchMesh;
@@ -165,49 +165,46 @@ impl PlanetFile {
         blob.ok_or_else(|| StoreError::Absent { file: self.path.clone(), id })
     }
 
-    /// Adds patches, all or none of them. Patches that the file holds already stay as they are: they are the same.
+    /// Adds patches, all or none of them, to stay. Patches that the file holds already are the same and stay as they are; if they were
+    /// only cached, they are kept from now on.
     ///
     /// # Errors
     /// If the file was opened for reading, or cannot be written.
     pub fn put(&mut self, patches: &[BakedPatch]) -> Result<(), StoreError> {
         self.transaction("add patches", |connection| {
-            let mut statement = connection.prepare_cached(
-                "INSERT OR IGNORE INTO patch VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,?17,?18,?19)",
-            )?;
-            let (mut added, mut combined) = (0i64, 0u32);
-            for BakedPatch { record, geometry, texture } in patches {
-                let (id, low, high) = (record.id, record.bounds.low, record.bounds.high);
-                let checksum = rows::checksum(record);
-                let values = params![
-                    rows::key(id),
-                    id.face.index(),
-                    id.level,
-                    id.x,
-                    id.y,
-                    low.x,
-                    low.y,
-                    low.z,
-                    high.x,
-                    high.y,
-                    high.z,
-                    record.heights[0],
-                    record.heights[1],
-                    record.deviation,
-                    record.odd_wake,
-                    record.always_awake,
-                    checksum,
-                    geometry,
-                    texture
-                ];
-                if statement.execute(values)? == 1 {
-                    added += 1;
-                    combined ^= checksum;
-                }
-            }
-            // SQLite has no exclusive or: a | b less a & b.
-            let tally = "UPDATE tally SET patches = patches + ?1, combined = (combined | ?2) - (combined & ?2)";
-            connection.execute(tally, params![added, combined]).map(drop)
+            rows::insert(connection, patches)?;
+            cached::keep(connection, patches.iter().map(|p| p.record.id))
         })
+    }
+
+    /// Keeps patches that the file holds already, even if they were only cached.
+    ///
+    /// # Errors
+    /// As [`PlanetFile::put`].
+    pub fn keep(&mut self, ids: &[PatchId]) -> Result<(), StoreError> {
+        self.transaction("keep patches", |connection| cached::keep(connection, ids.iter().copied()))
+    }
+
+    /// Adds patches that may go again, notes when patches were used (any count that grows), and removes those unused for longest until
+    /// all that may go hold at most `budget` bytes. All or nothing.
+    ///
+    /// # Errors
+    /// As [`PlanetFile::put`].
+    pub fn cache(&mut self, patches: &[BakedPatch], used: &[PatchId], now: i64, budget: u64) -> Result<(), StoreError> {
+        self.transaction("cache patches", |connection| {
+            let added = rows::insert(connection, patches)?;
+            cached::add(connection, &added, now)?;
+            cached::touch(connection, used, now)?;
+            cached::evict(connection, budget)
+        })
+    }
+
+    /// Bytes of the patches that may go again.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn cached_bytes(&self) -> Result<u64, StoreError> {
+        cached::bytes(&self.connection).map_err(|source| failure(&self.path, "measure the cache", source))
     }
 
     /// Regions that were asked to be finer than the rest, in the order of asking.

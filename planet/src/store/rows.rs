@@ -1,16 +1,16 @@
 //! Patches as rows of the patch table: keys, metadata and the checksum over both.
 
-use super::baked::PatchRecord;
+use super::baked::{BakedPatch, PatchRecord};
 use super::geometry::measures_are_valid;
 use crate::lattice::LatticeBox;
 use crate::patch::PatchId;
 use crate::sphere::Face;
 use glam::IVec3;
-use rusqlite::Row;
+use rusqlite::{params, Connection, Row};
 
 /// Columns that [`read`] reads, in its order.
 pub(super) const COLUMNS: &str = "key, face, level, x, y, low_x, low_y, low_z, high_x, high_y, high_z, lowest, highest, \
-     deviation, odd_wake, always_awake, checksum, length(geometry), length(texture)";
+     deviation, child_wake, always_awake, checksum, length(geometry), length(texture)";
 
 /// The key of a patch: 3 bits of face, 5 of level, 21 each of column and row.
 pub(super) fn key(id: PatchId) -> i64 {
@@ -26,7 +26,7 @@ pub(super) fn checksum(record: &PatchRecord) -> u32 {
         hasher.update(&number.to_le_bytes());
     }
     hasher.update(&record.deviation.to_le_bytes());
-    hasher.update(&record.odd_wake.to_le_bytes());
+    hasher.update(&record.child_wake.to_le_bytes());
     for number in [record.always_awake, record.geometry_bytes, record.texture_bytes] {
         hasher.update(&number.to_le_bytes());
     }
@@ -48,7 +48,7 @@ pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), Str
         },
         heights: [row.get(11)?, row.get(12)?],
         deviation: row.get(13)?,
-        odd_wake: row.get(14)?,
+        child_wake: row.get(14)?,
         always_awake: row.get(15)?,
         geometry_bytes: row.get(17)?,
         texture_bytes: row.get(18)?,
@@ -57,8 +57,60 @@ pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), Str
     if stated != key(id) || found != expected {
         return Ok(Err(format!("the row of patch {id} has checksum {found:08x}, expected {expected:08x}")));
     }
-    Ok(match measures_are_valid(record.bounds, record.heights, record.deviation, record.odd_wake) {
+    Ok(match measures_are_valid(record.bounds, record.heights, record.deviation, record.child_wake) {
         Ok(()) => Ok((record, found)),
         Err(reason) => Err(format!("the row of patch {id}: {reason}")),
     })
+}
+
+/// Adds the patches that are not there yet, and returns which those were.
+pub(super) fn insert<'a>(connection: &Connection, patches: &'a [BakedPatch]) -> rusqlite::Result<Vec<&'a PatchRecord>> {
+    let mut statement = connection.prepare_cached(
+        "INSERT OR IGNORE INTO patch VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,?17,?18,?19)",
+    )?;
+    let mut added = Vec::new();
+    for BakedPatch { record, geometry, texture } in patches {
+        let (id, low, high) = (record.id, record.bounds.low, record.bounds.high);
+        let values = params![
+            key(id),
+            id.face.index(),
+            id.level,
+            id.x,
+            id.y,
+            low.x,
+            low.y,
+            low.z,
+            high.x,
+            high.y,
+            high.z,
+            record.heights[0],
+            record.heights[1],
+            record.deviation,
+            record.child_wake,
+            record.always_awake,
+            checksum(record),
+            geometry,
+            texture
+        ];
+        if statement.execute(values)? == 1 {
+            added.push(record);
+        }
+    }
+    let combined = added.iter().fold(0, |all, record| all ^ checksum(record));
+    count(connection, added.len() as i64, combined)?;
+    Ok(added)
+}
+
+/// Removes a patch.
+pub(super) fn remove(connection: &Connection, key: i64) -> rusqlite::Result<()> {
+    let mut statement = connection.prepare_cached("DELETE FROM patch WHERE key = ?1 RETURNING checksum")?;
+    let combined = statement.query_row([key], |row| row.get(0))?;
+    drop(statement);
+    count(connection, -1, combined)
+}
+
+/// Counts patches added or removed in the tally. SQLite has no exclusive or: a | b less a & b.
+fn count(connection: &Connection, patches: i64, combined: u32) -> rusqlite::Result<()> {
+    let tally = "UPDATE tally SET patches = patches + ?1, combined = (combined | ?2) - (combined & ?2)";
+    connection.execute(tally, params![patches, combined]).map(drop)
 }

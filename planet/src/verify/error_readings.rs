@@ -16,7 +16,7 @@ const MOST_PIXELS: f64 = 1e9;
 pub enum Probe {
     /// A camera ray through a random pixel.
     Pixel,
-    /// A sleeping vertex of a drawn patch.
+    /// A vertex of a drawn patch that sleeps, or slides.
     Sleeper,
     /// A sample of a finer resident patch than the drawn one.
     FinerSample,

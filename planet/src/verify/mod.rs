@@ -1,5 +1,5 @@
-//! Checks of the invariants on drawn meshes: watertight by bits, nothing flipped or degenerate, closure kept; and the screen
-//! error, measured with rays against the finest resident surface.
+//! Checks of the invariants on drawn meshes, in the places where they are drawn: watertight by bits, nothing flipped or degenerate,
+//! closure kept; and the screen error, measured with rays against the finest resident surface.
 
 pub mod error_readings;
 pub mod finest;
@@ -41,11 +41,11 @@ pub struct Reach {
 
 impl Reach {
     /// The coarsest triangle list that holds every vertex which can be awake for a viewer at least `distance` lattice units
-    /// away (selection distance) at a view scale.
-    pub fn level_for(&self, distance: f64, scale: f64) -> IndexLevel {
+    /// away (selection distance) in a view of some reach.
+    pub fn level_for(&self, distance: f64, reach: f64) -> IndexLevel {
         // A little nearer than true, for the rounding of f32 selection.
-        let reach = distance * (1.0 - 1e-5) / scale;
-        let awake = self.wakes.partition_point(|w| w.distance() >= reach);
+        let least = distance * (1.0 - 1e-5) / reach;
+        let awake = self.wakes.partition_point(|w| w.distance() >= least);
         covering(&self.levels, awake)
     }
 }
@@ -84,17 +84,14 @@ impl Rings {
         Some(rings)
     }
 
-    /// Number of (awake vertex, sleeping member of its ring) pairs: 0 when the awake set is closed.
-    pub fn violations(&self, awake: &[u32]) -> usize {
-        let asleep_in_ring = |v: usize| {
+    /// Number of pairs of an awake vertex and a member of its ring that is not in its own place: 0 when the awake set is closed.
+    /// `morph` holds the weights of a prefix, 1 for sleeping vertices; the others sleep.
+    pub fn violations(&self, awake: &[u32], morph: &[f32]) -> usize {
+        let moved_in_ring = |v: usize| {
             let members = &self.members[self.start[v] as usize..self.start[v + 1] as usize];
-            members.iter().filter(|&&r| !in_set(awake, r)).count()
+            members.iter().filter(|&&r| morph.get(usize::from(r)) != Some(&0.0)).count()
         };
-        (0..self.start.len() - 1).filter(|&v| in_set(awake, v as u16)).map(asleep_in_ring).sum()
+        let count = morph.len().min(self.start.len() - 1);
+        (0..count).filter(|&v| bit(awake, v as u32)).map(moved_in_ring).sum()
     }
-}
-
-/// Whether a vertex is in an awake set that may cover only a prefix.
-fn in_set(awake: &[u32], v: u16) -> bool {
-    usize::from(v) < awake.len() * 32 && bit(awake, u32::from(v))
 }

@@ -1,9 +1,9 @@
 //! The screen error, measured with rays: how far what is drawn lies from the finest resident surface, as the camera sees it.
 //!
-//! In: a view, the triangles drawn in it, the finest surface. Out: readings in pixels, those of patches beside missing data
+//! In: a view, the triangles drawn in it, the finest surface. Out: readings in pixels, those of triangles beside missing data
 //! apart. The judge shares nothing with the builder but the file: it knows triangles and lattice positions only.
 //!
-//! Measured are the hits of camera rays through random pixels, every sleeping vertex of the drawn patches, and samples of
+//! Measured are the hits of camera rays through random pixels, every vertex of the drawn patches that sleeps or slides, and samples of
 //! finer resident patches than the drawn ones; of both, those inside the frustum that the planet's horizon does not hide
 //! (hills hide nothing: stricter than what is seen). Through each place a ray from the planet's centre meets both surfaces;
 //! their distance over that of the nearer one to the camera is the error, in radians and then in pixels of the
@@ -17,8 +17,8 @@ use crate::layout::PatchVertex;
 use crate::patch::PatchId;
 use crate::rays::box_tree::BoxTree;
 use crate::rays::{PatchSurface, Ray};
-use crate::reference::cut::{beside_coarser, is_visible, Leaf};
-use crate::reference::resolve::bit;
+use crate::reference::cut::{is_visible, sides_beside, Leaf};
+use crate::reference::select::on_sides;
 use crate::store::StoreError;
 use crate::tree::PatchTree;
 use crate::view::View;
@@ -31,7 +31,7 @@ const PIXELS_A_TASK: usize = 512;
 /// Samples taken of a finer patch.
 const SAMPLES_A_PATCH: usize = 256;
 
-/// How much to measure beyond the sleeping vertices.
+/// How much to measure beyond the vertices that sleep or slide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effort {
     /// Camera rays a view.
@@ -42,14 +42,14 @@ pub struct Effort {
     pub seed: u64,
 }
 
-/// One drawn patch: its vertices, which of them are awake, and the triangles drawn, without culling.
+/// One drawn patch: its vertices, how far they are on their ways, and the triangles drawn, without culling.
 pub struct Drawn<'a> {
     /// The patch.
     pub leaf: Leaf,
     /// All vertices in wake order.
     pub vertices: &'a [PatchVertex],
-    /// Awake bits of a prefix of them; the others sleep.
-    pub awake: &'a [u32],
+    /// Morph weights of a prefix of them, 1 for sleeping ones; the others sleep.
+    pub morph: &'a [f32],
     /// Triangles, as places in `vertices`.
     pub triangles: &'a [[u32; 3]],
 }
@@ -57,9 +57,10 @@ pub struct Drawn<'a> {
 /// What one view showed.
 #[derive(Clone, Debug, Default)]
 pub struct ScreenError {
-    /// Readings that the tolerance is promised for (where the view's scale is at least 1).
+    /// Readings that the tolerance is promised for.
     pub readings: ErrorReadings,
-    /// Readings of patches beside coarser ones whose children are missing: there closure breaks.
+    /// Readings on triangles that end on a side beside a coarser patch whose children are missing: vertices that only the finer
+    /// patch has must sleep there however near they are.
     pub at_data_rim: ErrorReadings,
     /// Places where one of the two surfaces was not met at all.
     pub missed: usize,
@@ -90,10 +91,10 @@ pub fn measure(
     finest: &FinestSurface,
     effort: Effort,
 ) -> Result<ScreenError, StoreError> {
-    let surfaces: Vec<PatchSurface> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.triangles)).collect();
+    let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.morph, d.triangles)).collect();
     let boxes: Vec<LatticeBox> = surfaces.iter().map(|surface| surface.bounds).collect();
     let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, node));
-    let at_rim = |d: &Drawn| beside_coarser(&d.leaf, &|coarser| finest.ends_at(coarser));
+    let rim_sides = |d: &Drawn| sides_beside(&d.leaf, &|coarser| finest.ends_at(coarser)).into();
     let judge = Judge {
         view,
         tree,
@@ -102,7 +103,7 @@ pub fn measure(
         boxes: BoxTree::new(&boxes),
         surfaces,
         visible: (0..drawn.len()).filter(|&k| seen(&drawn[k])).collect(),
-        at_rim: drawn.iter().map(at_rim).collect(),
+        rim_sides: drawn.iter().map(rim_sides).collect(),
         ball: tree.lattice.radius + f64::from(tree.lowest),
     };
     let sleepers = judge.visible.par_iter().map(|&k| Ok(judge.sleepers(k)));
@@ -113,27 +114,37 @@ pub fn measure(
     sleepers.chain(pixels).chain(finer).try_reduce(ScreenError::default, |a, b| Ok(a.merged(b)))
 }
 
+/// A drawn triangle on a ray.
+#[derive(Clone, Copy)]
+struct Hit {
+    distance: f64,
+    /// Number of its patch among those drawn.
+    k: usize,
+    /// `None` for a place on its border that its own triangles miss by a rounding.
+    triangle: Option<[u32; 3]>,
+}
+
 struct Judge<'a, 'f> {
     view: &'a View,
     tree: &'a PatchTree,
     drawn: &'a [Drawn<'a>],
     finest: &'a FinestSurface<'f>,
-    surfaces: Vec<PatchSurface>,
+    surfaces: Vec<PatchSurface<DVec3>>,
     boxes: BoxTree,
     /// Drawn patches of which something may be in view.
     visible: Vec<usize>,
-    /// Whether each drawn patch lies beside missing data.
-    at_rim: Vec<bool>,
+    /// The sides of each drawn patch beside missing data.
+    rim_sides: Vec<u32>,
     /// Radius of a ball inside the planet's ground.
     ball: f64,
 }
 
 impl Judge<'_, '_> {
-    /// Every sleeping vertex of a drawn patch: the finest surface has it, or one that deviates from it as it does there.
+    /// Every vertex of a drawn patch that is not in its place: the finest surface has it, or one that deviates from it as it does there.
     fn sleepers(&self, k: usize) -> ScreenError {
-        let Drawn { vertices, awake, .. } = &self.drawn[k];
-        let asleep = |&v: &usize| v >= awake.len() * 32 || !bit(awake, v as u32);
-        let places = (0..vertices.len()).filter(asleep).map(|v| IVec3::from_array(vertices[v].position));
+        let Drawn { vertices, morph, .. } = &self.drawn[k];
+        let away = |&v: &usize| morph.get(v) != Some(&0.0);
+        let places = (0..vertices.len()).filter(away).map(|v| IVec3::from_array(vertices[v].position));
         self.samples(k, Probe::Sleeper, places)
     }
 
@@ -168,8 +179,11 @@ impl Judge<'_, '_> {
         for place in places.map(|p| p.as_dvec3()).filter(|&p| self.in_view(p)) {
             let ray = Ray::radial(place);
             // A sample on a border may lie a rounding beyond it, over the neighbour.
-            let drawn = self.surfaces[k].nearest(&ray).or_else(|| self.hit(&ray).map(|(distance, _)| distance));
-            self.note(&mut error, k, probe, place, drawn, Some(place.length()));
+            let own =
+                self.surfaces[k].nearest_triangle(&ray).map(|(distance, triangle)| Hit { distance, k, triangle: Some(triangle) });
+            let hit = own.or_else(|| self.hit(&ray).map(|beyond| Hit { k, triangle: None, ..beyond }));
+            let drawn = hit.map(|hit| (hit.distance, hit));
+            self.note(&mut error, probe, place, drawn, Some(place.length()));
         }
         error
     }
@@ -181,24 +195,32 @@ impl Judge<'_, '_> {
         for _ in 0..PIXELS_A_TASK {
             let across = camera.right() * (h * random.range(-1.0, 1.0)) + camera.up * (v * random.range(-1.0, 1.0));
             let ray = Ray { origin: self.view.eye, direction: (camera.forward + across).normalize() };
-            let Some((distance, k)) = self.hit(&ray) else { continue };
-            let place = ray.origin + ray.direction * distance;
-            self.note(&mut error, k, Probe::Pixel, place, Some(place.length()), self.finest.radius(place)?);
+            let Some(hit) = self.hit(&ray) else { continue };
+            let place = ray.origin + ray.direction * hit.distance;
+            self.note(&mut error, Probe::Pixel, place, Some((place.length(), hit)), self.finest.radius(place)?);
         }
         Ok(error)
     }
 
-    /// Nearest drawn triangle: its distance and its patch.
-    fn hit(&self, ray: &Ray) -> Option<(f64, usize)> {
-        let mut nearest: Option<(f64, usize)> = None;
+    /// Nearest drawn triangle.
+    fn hit(&self, ray: &Ray) -> Option<Hit> {
+        let mut nearest: Option<Hit> = None;
         self.boxes.nearest(ray, |k| {
-            let distance = self.surfaces[k].nearest(ray)?;
-            if nearest.is_none_or(|(found, _)| distance < found) {
-                nearest = Some((distance, k));
+            let (distance, triangle) = self.surfaces[k].nearest_triangle(ray)?;
+            if nearest.is_none_or(|found| distance < found.distance) {
+                nearest = Some(Hit { distance, k, triangle: Some(triangle) });
             }
             Some(distance)
         });
         nearest
+    }
+
+    /// Whether a drawn triangle ends on a side beside missing data, or slides from there.
+    fn is_at_rim(&self, hit: &Hit) -> bool {
+        let Drawn { vertices, morph, .. } = self.drawn[hit.k];
+        let on_rim = |v: u32| on_sides(vertices[v as usize].grid(), self.tree.cells, self.rim_sides[hit.k]);
+        let from_rim = |v: u32| morph[v as usize] > 0.0 && on_rim(vertices[v as usize].parent());
+        self.rim_sides[hit.k] != 0 && hit.triangle.is_none_or(|t| t.iter().any(|&v| on_rim(v) || from_rim(v)))
     }
 
     fn in_view(&self, place: DVec3) -> bool {
@@ -211,8 +233,8 @@ impl Judge<'_, '_> {
         !passes_under || self.view.eye.length() <= self.ball
     }
 
-    fn note(&self, error: &mut ScreenError, k: usize, probe: Probe, place: DVec3, drawn: Option<f64>, finest: Option<f64>) {
-        let (Some(drawn), Some(finest)) = (drawn, finest) else {
+    fn note(&self, error: &mut ScreenError, probe: Probe, place: DVec3, drawn: Option<(f64, Hit)>, finest: Option<f64>) {
+        let (Some((drawn, hit)), Some(finest)) = (drawn, finest) else {
             error.missed += 1;
             return;
         };
@@ -222,14 +244,14 @@ impl Judge<'_, '_> {
         let unit = self.tree.lattice.unit;
         let reading = Reading {
             pixels: (drawn - finest).abs() / distance / self.view.camera.pixel_angle(),
-            patch: self.drawn[k].leaf.id,
+            patch: self.drawn[hit.k].leaf.id,
             probe,
             direction,
             drawn_m: drawn * unit,
             finest_m: finest * unit,
             distance_m: distance * unit,
         };
-        let readings = if self.at_rim[k] { &mut error.at_data_rim } else { &mut error.readings };
+        let readings = if self.is_at_rim(&hit) { &mut error.at_data_rim } else { &mut error.readings };
         readings.add(reading);
     }
 }

@@ -1,7 +1,11 @@
-//! Whole surfaces: directed edges keyed by exact lattice positions must cancel, triangles must face outwards.
+//! Whole surfaces: directed edges keyed by the exact places of their ends must cancel, triangles must face outwards.
+//!
+//! The key of a vertex is its lattice position together with the bits of the place where it is drawn: an edge cancels only against
+//! one that has both in common.
 
-use crate::lattice::orientation;
-use crate::layout::PatchVertex;
+use crate::lattice::{determinant, orientation};
+use crate::layout::{FrameView, PatchVertex};
+use crate::reference::place::drawn_place;
 use glam::IVec3;
 use std::collections::HashMap;
 
@@ -14,27 +18,36 @@ pub struct SurfaceReport {
     pub cracks: usize,
     /// Triangles turned to the inside of the planet.
     pub flipped: usize,
-    /// Triangles without area: equal corners, or corners in one plane with the planet's centre.
+    /// Triangles without area: equal corners, or corners in one plane with the planet's centre. Not those of a vertex that has only
+    /// just left its parent's place.
     pub degenerate: usize,
 }
 
+/// What tells a vertex of the surface from others: its lattice position, and the bits of its camera-relative place.
+type Key = ([i32; 3], [u32; 3]);
+
 /// Collects the triangles of all patches of a surface.
-#[derive(Default)]
 pub struct SurfaceCheck {
-    open_edges: HashMap<[IVec3; 2], i32>,
+    view: FrameView,
+    open_edges: HashMap<[Key; 2], i32>,
     edges: Vec<(u32, u32, i32)>,
     report: SurfaceReport,
 }
 
 impl SurfaceCheck {
-    /// Adds the drawn triangles of one patch.
-    pub fn add(&mut self, vertices: &[PatchVertex], triangles: &[[u32; 3]]) {
+    /// A check of the surface as one view draws it.
+    pub fn new(view: &FrameView) -> SurfaceCheck {
+        SurfaceCheck { view: *view, open_edges: HashMap::new(), edges: Vec::new(), report: SurfaceReport::default() }
+    }
+
+    /// Adds the drawn triangles of one patch. `morph` holds the weights of as many vertices as triangles use.
+    pub fn add(&mut self, vertices: &[PatchVertex], morph: &[f32], triangles: &[[u32; 3]]) {
         self.edges.clear();
         self.report.triangles += triangles.len();
         for &[a, b, c] in triangles {
-            let [pa, pb, pc] = [a, b, c].map(|v| IVec3::from_array(vertices[v as usize].position));
-            match orientation(pa, pb, pc) {
-                0 => self.report.degenerate += 1,
+            let slides = [a, b, c].iter().any(|&v| morph[v as usize] > 0.0);
+            match drawn_orientation([a, b, c].map(|v| Slide::new(vertices, morph, v))) {
+                0 if !slides => self.report.degenerate += 1,
                 -1 => self.report.flipped += 1,
                 _ => {}
             }
@@ -43,13 +56,17 @@ impl SurfaceCheck {
             }
         }
         self.edges.sort_unstable();
+        let key = |v: u32| {
+            let place = drawn_place(&self.view, vertices, v, morph[v as usize]);
+            (vertices[v as usize].position, place.to_array().map(f32::to_bits))
+        };
         // Edges between two triangles of one patch cancel here; what is left is the patch's rim (or a fault).
         for run in self.edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
             let sum: i32 = run.iter().map(|e| e.2).sum();
             if sum != 0 {
-                let [p, q] = [run[0].0, run[0].1].map(|v| IVec3::from_array(vertices[v as usize].position));
-                let (key, sign) = if p.to_array() <= q.to_array() { ([p, q], 1) } else { ([q, p], -1) };
-                *self.open_edges.entry(key).or_insert(0) += sign * sum;
+                let [p, q] = [run[0].0, run[0].1].map(key);
+                let (edge, sign) = if p <= q { ([p, q], 1) } else { ([q, p], -1) };
+                *self.open_edges.entry(edge).or_insert(0) += sign * sum;
             }
         }
     }
@@ -66,6 +83,52 @@ impl SurfaceCheck {
     }
 }
 
+/// A vertex on the straight way from its own place to its parent's.
+#[derive(Clone, Copy)]
+struct Slide {
+    own: IVec3,
+    parent: IVec3,
+    weight: f64,
+}
+
+impl Slide {
+    fn new(vertices: &[PatchVertex], morph: &[f32], v: u32) -> Slide {
+        let vertex = &vertices[v as usize];
+        let parent = vertices[vertex.parent() as usize].position;
+        let weight = f64::from(morph[v as usize]);
+        Slide { own: IVec3::from_array(vertex.position), parent: IVec3::from_array(parent), weight }
+    }
+
+    /// The ends of the way that it is not past, with their shares.
+    fn ends(self) -> impl Iterator<Item = (IVec3, f64)> + Clone {
+        [(self.own, 1.0 - self.weight), (self.parent, self.weight)].into_iter().filter(|end| end.1 > 0.0)
+    }
+}
+
+/// Sign of the determinant of three places before they are rounded to f32. It is linear in each of them: the sum of the exact
+/// determinants at the ends of the ways, in f64. Where they all have one sign, so has the sum; else it is right to within 2⁻⁵⁰ of its
+/// largest part.
+fn drawn_orientation([a, b, c]: [Slide; 3]) -> i32 {
+    if a.weight == 0.0 && b.weight == 0.0 && c.weight == 0.0 {
+        return orientation(a.own, b.own, c.own);
+    }
+    let mut sum = 0.0;
+    for (p, u) in a.ends() {
+        for (q, v) in b.ends() {
+            for (r, w) in c.ends() {
+                sum += u * v * w * determinant(p, q, r) as f64;
+            }
+        }
+    }
+    if sum > 0.0 {
+        1
+    } else if sum < 0.0 {
+        -1
+    } else {
+        0
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -77,8 +140,8 @@ mod tests {
     }
 
     fn report(vertices: &[PatchVertex], triangles: &[[u32; 3]]) -> SurfaceReport {
-        let mut check = SurfaceCheck::default();
-        check.add(vertices, triangles);
+        let mut check = SurfaceCheck::new(&FrameView::default());
+        check.add(vertices, &vec![0.0; vertices.len()], triangles);
         check.finish()
     }
 
@@ -108,11 +171,41 @@ mod tests {
     #[test]
     fn equal_positions_join_different_patches() {
         let (vertices, triangles) = tetrahedron();
-        let mut check = SurfaceCheck::default();
-        check.add(&vertices, &triangles[..2]);
+        let mut check = SurfaceCheck::new(&FrameView::default());
+        check.add(&vertices, &[0.0; 4], &triangles[..2]);
         let mut reversed = vertices.clone();
         reversed.reverse();
-        check.add(&reversed, &triangles[2..].iter().map(|t| t.map(|v| 3 - v)).collect::<Vec<_>>());
+        check.add(&reversed, &[0.0; 4], &triangles[2..].iter().map(|t| t.map(|v| 3 - v)).collect::<Vec<_>>());
         assert_eq!(check.finish().cracks, 0);
+    }
+
+    /// Vertex 3 of the tetrahedron on its way to vertex 0, in two patches that may not agree about how far it is.
+    fn sliding(weights: [f32; 2]) -> SurfaceReport {
+        let (vertices, triangles) = tetrahedron();
+        let mut check = SurfaceCheck::new(&FrameView::default());
+        for (weight, half) in weights.into_iter().zip(triangles.chunks(2)) {
+            check.add(&vertices, &[0.0, 0.0, 0.0, weight], half);
+        }
+        check.finish()
+    }
+
+    #[test]
+    fn a_vertex_that_is_elsewhere_on_its_way_on_one_side_is_a_crack() {
+        for weight in [0.0, 0.25] {
+            assert_eq!(sliding([weight; 2]), SurfaceReport { triangles: 4, ..Default::default() }, "{weight}");
+        }
+        let arrived = sliding([1.0; 2]);
+        assert_eq!((arrived.cracks, arrived.degenerate), (0, 0), "a vertex in its parent's place tears nothing");
+        assert!(sliding([0.25, 0.25 + f32::EPSILON]).cracks > 0);
+    }
+
+    #[test]
+    fn triangles_that_turn_over_on_the_way_are_flipped() {
+        let (mut vertices, triangles) = tetrahedron();
+        // Past the plane of the other side.
+        vertices[0].position = [-3000; 3];
+        let mut check = SurfaceCheck::new(&FrameView::default());
+        check.add(&vertices, &[0.0, 0.0, 0.0, 0.5], &triangles);
+        assert!(check.finish().flipped > 0);
     }
 }

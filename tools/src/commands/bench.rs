@@ -1,6 +1,6 @@
 //! `terrane bench`: what the frames of a camera path cost.
 
-use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions};
+use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use terrane::frame::STAGES;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
-use terrane::scene::{Scene, SceneOptions};
+use terrane::scene::Scene;
 use terrane::vulkan::GpuInfo;
 use terrane_planet::camera_path::{CameraPath, Keyframe};
 use terrane_planet::sphere::direction_at;
@@ -47,6 +47,10 @@ pub(crate) struct Bench {
     #[arg(long, value_name = "PX", default_value_t = 1.0)]
     error: f64,
     #[command(flatten)]
+    mesh: MeshOptions,
+    #[command(flatten)]
+    patches: PatchOptions,
+    #[command(flatten)]
     look: LookOptions,
     #[command(flatten)]
     gpu: GpuOptions,
@@ -61,7 +65,7 @@ impl Run for Bench {
         ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
         let path = load_path(&self.path)?;
         let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, SceneOptions::default())?;
+        let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
         let [width, height] = self.size;
         let mut headless = Headless::new(&context, (width, height))?;
         let (first, last) = path.span();
@@ -90,7 +94,7 @@ impl Run for Bench {
 impl Bench {
     fn measure(&self, scene: &mut Scene, headless: &mut Headless, stand: &Keyframe) -> anyhow::Result<FrameCost> {
         let camera = camera_over(scene.planet(), stand, self.size);
-        let view = View::new(camera, scene.lattice(), scene.planet().cells, self.error);
+        let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.error));
         let look = self.look.look(direction_at(stand.latitude, stand.longitude));
         Ok(measure_frame(scene, headless, &view, &look)?)
     }
@@ -106,6 +110,7 @@ impl Bench {
             "device": device.name, "driver": device.driver, "driver_info": device.driver_info,
             "commit": env!("TERRANE_COMMIT"), "version": env!("CARGO_PKG_VERSION"),
             "planet": self.file, "path": self.path, "size": self.size, "tolerance_px": self.error,
+            "geomorphs": self.mesh.geomorphs(),
             "frames": self.frames, "warmup": self.warmup, "summary": percentiles,
             "rows": rows.iter().map(|(stand, cost)| row(stand, cost)).collect::<Vec<_>>(),
         })
@@ -189,10 +194,11 @@ fn print_table(summary: &[Line], device: &GpuInfo, bench: &Bench) {
     let [width, height] = bench.size;
     println!("{} ({} {})", device.name, device.driver, device.driver_info);
     println!(
-        "{} frames of {} at {width}x{height}, {} px, commit {}",
+        "{} frames of {} at {width}x{height}, {} px{}, commit {}",
         bench.frames,
         bench.path.display(),
         bench.error,
+        if bench.mesh.geomorphs() { "" } else { ", no geomorphs" },
         env!("TERRANE_COMMIT")
     );
     println!("{:<20} {:>12} {:>12} {:>12} {:>12}", "", "p50", "p95", "p99", "max");

@@ -1,6 +1,6 @@
 //! `terrane fly`: the planet in a window.
 
-use super::viewing::{report_messages, CameraOptions, GpuOptions, LookOptions};
+use super::viewing::{report_messages, CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use std::path::{Path, PathBuf};
@@ -16,6 +16,10 @@ pub(crate) struct Fly {
     file: PathBuf,
     #[command(flatten)]
     camera: CameraOptions,
+    #[command(flatten)]
+    mesh: MeshOptions,
+    #[command(flatten)]
+    patches: PatchOptions,
     #[command(flatten)]
     look: LookOptions,
     /// Folder for the pictures that P and F12 save.
@@ -34,8 +38,10 @@ impl Run for Fly {
             file: self.file,
             context: self.gpu.options(),
             camera,
+            scene: self.patches.options()?,
             look: self.look.look(self.camera.place()),
             tolerance: self.camera.error,
+            geomorphs: self.mesh.geomorphs(),
             save: Box::new(move |size, pixels| save(&folder, size, pixels).map_err(|error| format!("not saved: {error:#}"))),
         });
         let reported = report_messages(&report.messages);

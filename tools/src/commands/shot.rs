@@ -1,6 +1,6 @@
 //! `terrane shot`: one still picture.
 
-use super::viewing::{CameraOptions, GpuOptions, LookOptions};
+use super::viewing::{CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
@@ -9,7 +9,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 use terrane::frame::STAGES;
 use terrane::headless::{FrameReport, Headless};
-use terrane::scene::{Scene, SceneOptions};
+use terrane::scene::Scene;
 use terrane_planet::view::View;
 
 /// Render one picture of a planet without a window.
@@ -19,6 +19,10 @@ pub(crate) struct Shot {
     file: PathBuf,
     #[command(flatten)]
     camera: CameraOptions,
+    #[command(flatten)]
+    mesh: MeshOptions,
+    #[command(flatten)]
+    patches: PatchOptions,
     #[command(flatten)]
     look: LookOptions,
     /// PNG to write.
@@ -35,9 +39,9 @@ impl Run for Shot {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
         let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, SceneOptions::default())?;
+        let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
         let camera = self.camera.camera(scene.planet())?;
-        let view = View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error);
+        let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error));
         let look = self.look.look(self.camera.place());
         let cut = scene.settle(&view)?;
         let [width, height] = camera.size;
@@ -50,12 +54,14 @@ impl Run for Shot {
         let ready_ms = settled.duration_since(begun).as_secs_f64() * 1e3;
         if self.json {
             let info = context.device_info();
-            println!("{}", summary(&report, info, &self.out, frame_ms, ready_ms, &view));
+            println!("{}", summary(&report, info, &self.out, frame_ms, ready_ms, &scene));
         } else {
             println!(
-                "{}: {} patches, {} awake vertices, {} triangles, {frame_ms:.0} ms",
+                "{}: {} patches ({} of {} on the GPU built), {} awake vertices, {} triangles, {frame_ms:.0} ms",
                 self.out.display(),
                 report.tables.patches.len(),
+                scene.tally().built,
+                scene.resident_count(),
                 report.counters.awake,
                 report.counters.wanted
             );
@@ -71,7 +77,7 @@ fn summary(
     out: &std::path::Path,
     frame_ms: f64,
     ready_ms: f64,
-    view: &View,
+    scene: &Scene,
 ) -> serde_json::Value {
     let stages: serde_json::Map<_, _> =
         STAGES.iter().filter_map(|stage| Some(((*stage).to_owned(), json!(report.times.ms(stage)?)))).collect();
@@ -80,7 +86,8 @@ fn summary(
         "patches": report.tables.patches.len(), "awake_vertices": report.counters.awake,
         "prefix_vertices": report.tables.vertices, "candidate_triangles": report.tables.triangles,
         "triangles": report.counters.wanted, "dropped_triangles": report.counters.wanted.saturating_sub(report.counters.capacity),
-        "certified": view.scale >= 1.0, "scale": view.scale,
+        "patches_read": scene.tally().read, "patches_built": scene.tally().built, "build_s": scene.tally().build_s,
+        "resident_patches": scene.resident_count(), "patch_bytes_on_gpu": scene.gpu_bytes().0, "settled": scene.is_settled(),
         "stages_gpu_ms": stages, "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,
     })
 }

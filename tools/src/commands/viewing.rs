@@ -4,12 +4,13 @@ use anyhow::{bail, ensure};
 use glam::DVec3;
 use std::sync::Arc;
 use terrane::frame::{sun_over, Look, DAYLIGHT};
+use terrane::scene::{CacheOptions, OnDemand, SceneOptions};
 use terrane::vulkan::{Context, ContextOptions, GpuChoice, ValidationMessage};
 use terrane_planet::camera_path::Keyframe;
 use terrane_planet::layout::Mode;
 use terrane_planet::planet::Planet;
 use terrane_planet::sphere::direction_at;
-use terrane_planet::view::{Camera, TOLERANCE_RANGE};
+use terrane_planet::view::{Camera, View, TOLERANCE_RANGE};
 
 /// Largest side of a picture in pixels (the smallest limit that Vulkan guarantees is 4,096; most devices allow this).
 const LARGEST_SIDE: u32 = 16_384;
@@ -125,6 +126,60 @@ fn default_pitch(radius: f64, altitude: f64, fov: f64) -> f64 {
         -90.0
     } else {
         -(dip + fov * 0.2).min(90.0)
+    }
+}
+
+/// How the mesh follows the view.
+#[derive(clap::Args, Clone, Copy)]
+pub(crate) struct MeshOptions {
+    /// Let vertices jump into their places when they wake, instead of sliding there.
+    #[arg(long)]
+    no_geomorphs: bool,
+}
+
+impl MeshOptions {
+    /// Whether vertices slide into their places.
+    pub(crate) fn geomorphs(self) -> bool {
+        !self.no_geomorphs
+    }
+
+    /// A view as these options want it.
+    pub(crate) fn apply(self, view: View) -> View {
+        if self.no_geomorphs {
+            view.without_geomorphs()
+        } else {
+            view
+        }
+    }
+}
+
+/// Which patches there are to draw, and how much room they may take.
+#[derive(clap::Args, Clone)]
+pub(crate) struct PatchOptions {
+    /// Draw only patches that the planet file holds; others are built when they are wanted.
+    #[arg(long)]
+    stored_only: bool,
+    /// Build patches until their samples are this far apart.
+    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
+    spacing: f64,
+    /// Most megabytes of built patches to keep in the planet file for another time, or in the user's cache folder if it cannot be
+    /// written; 0 keeps none.
+    #[arg(long, value_name = "MB", default_value_t = 2000)]
+    cache: u64,
+    /// Most megabytes of patches on the GPU; with fewer the picture is coarser.
+    #[arg(long, value_name = "MB", default_value_t = 2000)]
+    gpu_memory: u64,
+}
+
+impl PatchOptions {
+    /// What to open a scene with.
+    pub(crate) fn options(&self) -> anyhow::Result<SceneOptions> {
+        ensure!((0.01..=1e9).contains(&self.spacing), "--spacing: {} is not within 0.01 and 1e9 metres", self.spacing);
+        let bytes = |megabytes: u64| megabytes.saturating_mul(1_000_000);
+        let side = directories::ProjectDirs::from("", "", "terrane").map(|folders| folders.cache_dir().to_owned());
+        let cache = (self.cache > 0).then(|| CacheOptions { bytes: bytes(self.cache), side });
+        let on_demand = (!self.stored_only).then_some(OnDemand { spacing_m: self.spacing, cache });
+        Ok(SceneOptions { gpu_bytes: bytes(self.gpu_memory), on_demand, ..SceneOptions::default() })
     }
 }
 

@@ -1,0 +1,57 @@
+//! Which patches of a file may go again: built while flying, kept under a budget, the least recently used removed first.
+
+use super::baked::PatchRecord;
+use super::rows;
+use crate::patch::PatchId;
+use rusqlite::{params, Connection};
+
+/// Notes that patches may go.
+pub(super) fn add(connection: &Connection, patches: &[&PatchRecord], now: i64) -> rusqlite::Result<()> {
+    let mut statement = connection.prepare_cached("INSERT OR REPLACE INTO cached VALUES (?1, ?2, ?3)")?;
+    patches.iter().try_for_each(|record| {
+        let bytes = i64::from(record.geometry_bytes) + i64::from(record.texture_bytes);
+        statement.execute(params![rows::key(record.id), now, bytes]).map(drop)
+    })
+}
+
+/// Notes that patches are to stay.
+pub(super) fn keep(connection: &Connection, ids: impl Iterator<Item = PatchId>) -> rusqlite::Result<()> {
+    let mut statement = connection.prepare_cached("DELETE FROM cached WHERE key = ?1")?;
+    ids.into_iter().try_for_each(|id| statement.execute([rows::key(id)]).map(drop))
+}
+
+/// Notes that patches were used.
+pub(super) fn touch(connection: &Connection, ids: &[PatchId], now: i64) -> rusqlite::Result<()> {
+    let mut statement = connection.prepare_cached("UPDATE cached SET used = ?2 WHERE key = ?1")?;
+    ids.iter().try_for_each(|&id| statement.execute(params![rows::key(id), now]).map(drop))
+}
+
+/// Bytes of all patches that may go.
+pub(super) fn bytes(connection: &Connection) -> rusqlite::Result<u64> {
+    connection
+        .query_row("SELECT coalesce(sum(bytes), 0) FROM cached", [], |row| row.get::<_, i64>(0))
+        .map(|bytes| bytes.max(0) as u64)
+}
+
+/// Removes patches, those unused for longest and of these the finest first, until at most `budget` bytes may go.
+pub(super) fn evict(connection: &Connection, budget: u64) -> rusqlite::Result<()> {
+    let mut excess = bytes(connection)?.saturating_sub(budget);
+    if excess == 0 {
+        return Ok(());
+    }
+    let mut oldest = connection.prepare_cached(
+        "SELECT cached.key, bytes FROM cached JOIN patch ON patch.key = cached.key ORDER BY used, level DESC, cached.key",
+    )?;
+    let mut going = Vec::new();
+    let mut found = oldest.query([])?;
+    while excess > 0 {
+        let Some(row) = found.next()? else { break };
+        going.push(row.get::<_, i64>(0)?);
+        excess = excess.saturating_sub(u64::from(row.get::<_, u32>(1)?));
+    }
+    let mut statement = connection.prepare_cached("DELETE FROM cached WHERE key = ?1")?;
+    going.into_iter().try_for_each(|key| {
+        rows::remove(connection, key)?;
+        statement.execute([key]).map(drop)
+    })
+}
