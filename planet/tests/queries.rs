@@ -17,7 +17,7 @@ use terrane_planet::progressive::PatchMesh;
 use terrane_planet::query::{KnownGround, PatchGrid, Refiner};
 use terrane_planet::recipe::Recipe;
 use terrane_planet::simplify::mesh::grid_triangles;
-use terrane_planet::sphere::direction_at;
+use terrane_planet::sphere::{direction, direction_at};
 use terrane_planet::verify::random_views::Random;
 
 const CELLS: u32 = 16;
@@ -132,6 +132,19 @@ fn depth(known: &KnownGround, place: DVec3) -> f64 {
     known.height_at(place).unwrap().height - (place.length() - FIELD.radius)
 }
 
+/// The place's direction and directions on all sides of it.
+fn around(place: DVec3) -> impl Iterator<Item = DVec3> {
+    let offset = |k: usize| DVec3::new([-1e-7, 1e-7][k % 2], [-1e-7, 1e-7][k / 2 % 2], [-1e-7, 1e-7][k / 4]);
+    (0..8).map(move |k| place.normalize() + offset(k))
+}
+
+/// Whether a place is in the ground, and not only in that of one of two patches that it lies between.
+fn is_inside(known: &KnownGround, place: DVec3) -> bool {
+    let below =
+        |direction| known.height_at(direction).unwrap().height + FIELD.radius - place.length() > BORDER * known.lattice.unit;
+    below(place) && around(place).all(below)
+}
+
 /// Rays from above the ground towards places on it or a little below, many of them grazing.
 fn rays(known: &KnownGround, leaves: &[PatchId], count: usize) -> Vec<(DVec3, DVec3)> {
     let mut random = Random::new(21);
@@ -145,7 +158,17 @@ fn rays(known: &KnownGround, leaves: &[PatchId], count: usize) -> Vec<(DVec3, DV
         let origin = from * (FIELD.radius + ground + 2.0f64.powf(random.range(0.0, 15.0)));
         (origin, target - origin)
     };
-    (0..count).map(|_| ray()).collect()
+    let mut rays: Vec<_> = (0..count).map(|_| ray()).collect();
+    // From exactly above sides and corners of patches, and along sides.
+    for &leaf in leaves {
+        let points = [(0, 0), (0, 1), (2, 0), (2, 2), (1, 2), (1, 1)].map(|(a, b)| direction(leaf.point(a, b, 2)));
+        // Where levels differ, above the higher ground and below the lower.
+        let heights = |place| around(place).map(|place| FIELD.radius + known.height_at(place).unwrap().height);
+        let above = points.map(|place| place * (heights(place).fold(0.0, f64::max) + 40.0));
+        let below = points.map(|place| place * (heights(place).fold(f64::MAX, f64::min) - 10.0));
+        rays.extend(below.into_iter().flat_map(|target| above.map(|origin| (origin, target - origin))));
+    }
+    rays
 }
 
 #[test]
@@ -166,8 +189,7 @@ fn rays_end_where_they_first_come_below_the_ground() {
         rays_met += 1;
         for k in 0..200 {
             let place = origin + ray * (hit.distance * f64::from(k) / 200.0);
-            let depth = depth(&known, place);
-            assert!(depth < rounding, "{depth} m below the ground at {place}, before {hit:?} from {origin}");
+            assert!(!is_inside(&known, place), "below the ground at {place}, before {hit:?} from {origin}");
         }
     }
     assert!(steps < rays_met / 20, "{steps} of {rays_met} rays ended elsewhere than on the surface");

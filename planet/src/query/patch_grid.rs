@@ -12,6 +12,9 @@ use std::sync::{Arc, OnceLock};
 /// Lattice units by which a direction in a cell may miss the cell's triangles, whose corners are rounded to the lattice.
 const CORNER_ROUNDING: f64 = 4.0;
 
+/// Lattice units by which patches overlap for rays.
+const OVERLAP: f64 = 2.0;
+
 /// The grid of one patch: 70 kB for 128 cells, and 330 more once a ray came near.
 pub struct PatchGrid {
     /// Which patch.
@@ -82,8 +85,27 @@ impl PatchGrid {
 
     /// Distance along a ray to the nearest triangle. `triangles` from [`grouped_grid`](crate::rays::patch_surface::grouped_grid).
     pub(super) fn nearest(&self, ray: &Ray, triangles: &Arc<[[u32; 3]]>) -> Option<f64> {
-        let positions = || (0..self.heights.len() as u32).map(|v| self.position(v)).collect();
-        self.surface.get_or_init(|| PatchSurface::of_positions(positions(), triangles)).nearest(ray)
+        self.surface.get_or_init(|| PatchSurface::of_positions(self.overlapping(), triangles)).nearest(ray)
+    }
+
+    /// Positions by grid number, those on the border moved out by a little more than corners are rounded by: a ray along a side of
+    /// the patch may pass beside all triangles of the patch that it is said to be in.
+    fn overlapping(&self) -> Vec<IVec3> {
+        let mut positions: Vec<IVec3> = (0..self.heights.len() as u32).map(|v| self.position(v)).collect();
+        let (row, last) = (self.warped.columns.len(), self.heights.len() - 1);
+        let mut move_out = |border: usize, inner: usize| {
+            let outward = (positions[border] - positions[inner]).as_dvec3().normalize_or_zero();
+            positions[border] += (outward * OVERLAP).round().as_ivec3();
+        };
+        for k in 0..row {
+            move_out(k * row, k * row + 1);
+            move_out(k * row + row - 1, k * row + row - 2);
+        }
+        for k in 0..row {
+            move_out(k, k + row);
+            move_out(last - k, last - k - row);
+        }
+        positions
     }
 }
 

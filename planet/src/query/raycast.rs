@@ -17,6 +17,9 @@ const SURFACE: f64 = 2.0;
 /// Lattice units from the side that a ray leaves a leaf by to a place that surely is in the next one.
 const SIDESTEP: f64 = 1e-3;
 
+/// Lattice units within which a ray that crosses two sides passes through their corner.
+const CORNER: f64 = 1.0;
+
 /// Where a ray meets the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GroundHit {
@@ -63,9 +66,9 @@ impl KnownGround {
 
     /// Distance to the ground within `reach`, and the patch.
     fn walk(&self, ray: &Ray, reach: f64) -> Option<(f64, PatchId)> {
-        let (mut at, mut inside) = (0.0, ray.origin);
+        let (mut at, mut aside) = (0.0, DVec3::ZERO);
         for _ in 0..self.len() + Face::ALL.len() {
-            let id = self.leaf(inside, MAX_LEVEL);
+            let id = self.leaf(ray.at(at) + aside, MAX_LEVEL);
             let (exit, outward) = exit(ray, id);
             let exit = exit.clamp(at, reach);
             if let Some(distance) = self.grid(id).and_then(|grid| self.meet(ray, grid, at, exit)) {
@@ -74,7 +77,9 @@ impl KnownGround {
             if exit >= reach {
                 return None;
             }
-            (at, inside) = (exit, ray.at(exit) + outward * SIDESTEP);
+            // Through a corner of leaves it goes by two sides, and must not come back over the first.
+            let before = if exit - at < CORNER { aside } else { DVec3::ZERO };
+            (at, aside) = (exit, before + outward * SIDESTEP);
         }
         None
     }
