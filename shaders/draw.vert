@@ -8,7 +8,7 @@ layout(constant_id = 0) const float DEPTH_LIFT = 1.0;
 
 layout(scalar, binding = 4) readonly buffer View { FrameView view; };
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
-layout(scalar, binding = 5) readonly buffer Morph { float morph[]; };
+layout(scalar, binding = 5) readonly buffer Places { DrawnVertex places[]; };
 
 layout(location = 0) out vec3 out_place;
 layout(location = 1) out vec2 out_grid;
@@ -26,11 +26,11 @@ void main() {
     uint number = uint(gl_VertexIndex) >> VERTEX_BITS;
     uint v = uint(gl_VertexIndex) & ((1u << VERTEX_BITS) - 1u);
     Vertices vertices = Vertices(patches[number].vertices);
-    float weight = morph[patches[number].resolve_offset + v];
-    precise vec3 place = drawn_place(vertices, v, weight, view.anchor, view.offset) * view.unit;
+    DrawnVertex drawn = places[patches[number].resolve_offset + v];
+    precise vec3 place = (drawn.place + view.shift) * view.unit;
     precise vec4 clip = view.clip * vec4(place, 1.0);
     out_place = place;
-    out_grid = mix(grid_place(vertices, v), grid_place(vertices, parent_of(vertices, v)), weight);
+    out_grid = mix(grid_place(vertices, v), grid_place(vertices, parent_of(vertices, v)), drawn.weight);
     out_patch = number;
     gl_Position = vec4(clip.xy, clip.z * DEPTH_LIFT, clip.w);
 }

@@ -12,7 +12,7 @@ layout(scalar, binding = 2) readonly buffer Tasks { Task tasks[]; };
 layout(scalar, binding = 3) readonly buffer Resolved { uint resolved[]; };
 layout(scalar, binding = 4) writeonly buffer Indices { uint indices[]; };
 layout(scalar, binding = 5) buffer State { EmitState state; };
-layout(scalar, binding = 6) readonly buffer Morph { float morph[]; };
+layout(scalar, binding = 6) readonly buffer Places { DrawnVertex places[]; };
 
 layout(push_constant) uniform Push { uint task_count; };
 
@@ -34,16 +34,12 @@ bool faces_away(vec3 a, vec3 b, vec3 c) {
     return height > limit;
 }
 
-vec3 corner_place(Vertices vertices, uint weights, uint v) {
-    return drawn_place(vertices, v, morph[weights + v], view.anchor, view.offset);
-}
-
-// `weights` is where the patch's morph weights begin.
-bool is_culled(Vertices vertices, uint weights, uvec3 corners) {
+// `first` is where the patch's drawn vertices begin.
+bool is_culled(uint first, uvec3 corners) {
     if (view.culling == 0u) return false;
-    vec3 a = corner_place(vertices, weights, corners.x);
-    vec3 b = corner_place(vertices, weights, corners.y);
-    vec3 c = corner_place(vertices, weights, corners.z);
+    vec3 a = places[first + corners.x].place;
+    vec3 b = places[first + corners.y].place;
+    vec3 c = places[first + corners.z].place;
     if ((view.culling & CULL_FRUSTUM) != 0u) {
         for (int k = 0; k < 5; ++k) {
             if (beyond(a, view.planes[k]) && beyond(b, view.planes[k]) && beyond(c, view.planes[k])) return true;
@@ -52,24 +48,31 @@ bool is_culled(Vertices vertices, uint weights, uvec3 corners) {
     return (view.culling & CULL_BACK) != 0u && faces_away(a, b, c);
 }
 
+// Corners of a triangle, as places in the wake order.
+uvec3 corners_of(Triangles triangles, uint t) {
+    uint word = t + t / 2u;
+    uint low = triangles.at[word];
+    uint high = triangles.at[word + 1u];
+    return (t & 1u) == 0u ? uvec3(low & 0xffffu, low >> 16u, high & 0xffffu) : uvec3(low >> 16u, high & 0xffffu, high >> 16u);
+}
+
 void main() {
     uint number = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     if (number >= task_count) return;
     Task task = tasks[number];
     PatchDraw target = patches[task.patch_number];
-    Vertices vertices = Vertices(target.vertices);
     Triangles triangles = Triangles(target.triangles);
-    for (uint k = 0u; k < EMIT_CHUNK / 64u; ++k) {
-        uint t = task.first + k * 64u + gl_LocalInvocationID.x;
+    for (uint first = task.first; first < task.end; first += 64u) {
+        uint t = first + gl_LocalInvocationID.x;
         uvec3 corners = uvec3(0u);
-        bool keep = t < target.triangle_count;
+        bool keep = t < task.end;
         if (keep) {
-            uvec2 packed = triangles.at[t];
-            corners.x = resolved[target.resolve_offset + (packed.x & 0xffffu)];
-            corners.y = resolved[target.resolve_offset + (packed.x >> 16u)];
-            corners.z = resolved[target.resolve_offset + packed.y];
+            uvec3 places = corners_of(triangles, t);
+            corners.x = resolved[target.resolve_offset + places.x];
+            corners.y = resolved[target.resolve_offset + places.y];
+            corners.z = resolved[target.resolve_offset + places.z];
             keep = corners.x != corners.y && corners.y != corners.z && corners.z != corners.x
-                && !is_culled(vertices, target.resolve_offset, corners);
+                && !is_culled(target.resolve_offset, corners);
         }
         uvec4 kept = subgroupBallot(keep);
         uint base = 0u;

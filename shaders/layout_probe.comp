@@ -6,11 +6,12 @@
 layout(local_size_x = 1) in;
 layout(scalar, binding = 0) readonly buffer PatchVertexBlock { PatchVertex patchvertex; };
 layout(scalar, binding = 1) readonly buffer PatchDrawBlock { PatchDraw patchdraw; };
-layout(scalar, binding = 2) readonly buffer TaskBlock { Task task; };
-layout(scalar, binding = 3) readonly buffer FrameViewBlock { FrameView frameview; };
-layout(scalar, binding = 4) readonly buffer ShadingBlock { Shading shading; };
-layout(scalar, binding = 5) readonly buffer EmitStateBlock { EmitState emitstate; };
-layout(scalar, binding = 6) writeonly buffer Words { uint words[]; };
+layout(scalar, binding = 2) readonly buffer DrawnVertexBlock { DrawnVertex drawnvertex; };
+layout(scalar, binding = 3) readonly buffer TaskBlock { Task task; };
+layout(scalar, binding = 4) readonly buffer FrameViewBlock { FrameView frameview; };
+layout(scalar, binding = 5) readonly buffer ShadingBlock { Shading shading; };
+layout(scalar, binding = 6) readonly buffer EmitStateBlock { EmitState emitstate; };
+layout(scalar, binding = 7) writeonly buffer Words { uint words[]; };
 
 uint bits(uint x) { return x; }
 uint bits(int x) { return uint(x); }
@@ -28,7 +29,6 @@ void main() {
     words[at++] = bits(patchdraw.triangles.x);
     words[at++] = bits(patchdraw.triangles.y);
     words[at++] = bits(patchdraw.vertex_count);
-    words[at++] = bits(patchdraw.triangle_count);
     words[at++] = bits(patchdraw.awake_offset);
     words[at++] = bits(patchdraw.resolve_offset);
     words[at++] = bits(patchdraw.coarser_sides);
@@ -42,8 +42,13 @@ void main() {
     words[at++] = bits(patchdraw.grid_axis.x);
     words[at++] = bits(patchdraw.grid_axis.y);
     words[at++] = bits(patchdraw.grid_axis.z);
+    words[at++] = bits(drawnvertex.place.x);
+    words[at++] = bits(drawnvertex.place.y);
+    words[at++] = bits(drawnvertex.place.z);
+    words[at++] = bits(drawnvertex.weight);
     words[at++] = bits(task.patch_number);
     words[at++] = bits(task.first);
+    words[at++] = bits(task.end);
     words[at++] = bits(frameview.anchor.x);
     words[at++] = bits(frameview.anchor.y);
     words[at++] = bits(frameview.anchor.z);
@@ -71,6 +76,9 @@ void main() {
     words[at++] = bits(frameview.reach);
     words[at++] = bits(frameview.morph_rate);
     words[at++] = bits(frameview.cells);
+    words[at++] = bits(frameview.shift.x);
+    words[at++] = bits(frameview.shift.y);
+    words[at++] = bits(frameview.shift.z);
     words[at++] = bits(frameview.unit);
     words[at++] = bits(frameview.near);
     words[at++] = bits(frameview.clip[0].x);

@@ -1,6 +1,5 @@
 #version 460
-// Which vertices are awake, one bit each, and how far each is on its way to its parent's place. Twin:
-// planet/src/reference/select.rs.
+// Which vertices are awake, one bit each, and where they are drawn. Twins: planet/src/reference/select.rs, place.rs.
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "frame.glsl"
 
@@ -15,9 +14,24 @@ layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(scalar, binding = 2) readonly buffer Tasks { Task tasks[]; };
 layout(scalar, binding = 3) writeonly buffer Awake { uint awake[]; };
 layout(scalar, binding = 4) buffer State { EmitState state; };
-layout(scalar, binding = 5) writeonly buffer Morph { float morph[]; };
+layout(scalar, binding = 5) writeonly buffer Places { DrawnVertex places[]; };
 
 layout(push_constant) uniform Push { uint task_count; };
+
+// Camera-relative position in lattice units: integers first, so that it is exact near the camera.
+vec3 relative_to_camera(ivec3 position) {
+    precise vec3 result = vec3(position - view.anchor) - view.offset;
+    return result;
+}
+
+// Camera-relative place at which a vertex is drawn: on the straight way from its own place (weight 0) to its parent's (1).
+vec3 drawn_place(Vertices vertices, uint v, float weight) {
+    vec3 own = relative_to_camera(vertices.at[v].position);
+    if (weight == 0.0) return own;
+    vec3 parent = relative_to_camera(vertices.at[parent_of(vertices, v)].position);
+    precise vec3 place = own + (parent - own) * weight;
+    return place;
+}
 
 bool on_coarser_side(uint grid, uint sides) {
     uint row = view.cells + 1u;
@@ -41,7 +55,7 @@ bool is_awake(PatchVertex vertex, uint sides, out float weight) {
     weight = 1.0;
     if (code == 0u) return false;
     float wake = wake_distance(code);
-    precise vec3 p = relative_to_camera(vertex.position, view.anchor, view.offset);
+    precise vec3 p = relative_to_camera(vertex.position);
     precise float outside = 0.0;
     for (int k = 0; k < 5; ++k) {
         precise float beyond = p.x * view.planes[k].x + p.y * view.planes[k].y + p.z * view.planes[k].z;
@@ -57,6 +71,14 @@ bool is_awake(PatchVertex vertex, uint sides, out float weight) {
     return true;
 }
 
+// Whether a vertex is awake; writes where it is drawn, for sleeping ones their own place.
+bool select_vertex(Vertices vertices, uint v, PatchDraw target) {
+    float weight;
+    bool awake = is_awake(vertices.at[v], target.coarser_sides, weight);
+    places[target.resolve_offset + v] = DrawnVertex(drawn_place(vertices, v, awake ? weight : 0.0), weight);
+    return awake;
+}
+
 void main() {
     uint number = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
     if (number >= task_count) return;
@@ -70,9 +92,7 @@ void main() {
         uint count = min(32u, target.vertex_count - first);
         uint word = 0u;
         for (uint k = 0u; k < count; ++k) {
-            float weight;
-            word |= uint(is_awake(vertices.at[first + k], target.coarser_sides, weight)) << k;
-            morph[target.resolve_offset + first + k] = weight;
+            word |= uint(select_vertex(vertices, first + k, target)) << k;
         }
         awake[target.awake_offset + first / 32u] = word;
         if (word != 0u) atomicAdd(state.awake, uint(bitCount(word)));
@@ -82,9 +102,7 @@ void main() {
         uint first = task.first + k * 32u;
         if (first >= target.vertex_count) return;
         uint v = first + lane;
-        float weight;
-        bool bit = v < target.vertex_count && is_awake(vertices.at[v], target.coarser_sides, weight);
-        if (v < target.vertex_count) morph[target.resolve_offset + v] = weight;
+        bool bit = v < target.vertex_count && select_vertex(vertices, v, target);
         uint word = subgroupBallot(bit).x;
         if (lane == 0u) {
             awake[target.awake_offset + first / 32u] = word;

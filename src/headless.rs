@@ -5,7 +5,7 @@ use crate::scene::{Scene, SceneError};
 use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps};
 use std::sync::Arc;
 use std::time::Instant;
-use terrane_planet::layout::EmitState;
+use terrane_planet::layout::{DrawnVertex, EmitState};
 use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
 
@@ -41,8 +41,8 @@ pub struct Selection {
     pub awake: Vec<u32>,
     /// What every vertex is drawn as, at the offsets of the frame's tables.
     pub resolved: Vec<u32>,
-    /// Morph weight of every vertex, at the same offsets.
-    pub morph: Vec<f32>,
+    /// Where every vertex is drawn, at the same offsets.
+    pub places: Vec<DrawnVertex>,
     /// Emitted triangles in no order: patch number above [`VERTEX_BITS`](terrane_planet::layout::VERTEX_BITS), vertex below.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -98,7 +98,7 @@ impl Headless {
         Ok(Selection {
             awake: download(&self.context, &buffers.awake, report.tables.awake_words as usize)?,
             resolved: download(&self.context, &buffers.resolved, report.tables.vertices as usize)?,
-            morph: download(&self.context, &buffers.morph, report.tables.vertices as usize)?,
+            places: download(&self.context, &buffers.places, report.tables.vertices as usize)?,
             triangles: download(&self.context, &buffers.indices, emitted as usize)?,
         })
     }

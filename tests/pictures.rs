@@ -197,7 +197,7 @@ fn planets() -> &'static Path {
 fn render(planet: &Path, view: &[&str], more: &[&str]) -> Picture {
     let folder = tempfile::tempdir().unwrap();
     let (planet, size) = (planet.to_string_lossy(), format!("{}x{}", SIZE[0], SIZE[1]));
-    let arguments = [&["shot", &planet, "--out", "picture.png", "--size", &size], view, more].concat();
+    let arguments = [&["shot", &planet, "--stored-only", "--out", "picture.png", "--size", &size], view, more].concat();
     let output = terrane(&arguments, folder.path());
     assert!(output.status.success(), "{view:?}: {}", text(&output.stderr));
     Picture::read(&folder.path().join("picture.png")).unwrap()

@@ -7,6 +7,7 @@ use crate::ground::WarpedGrid;
 use crate::lattice::Lattice;
 use crate::progressive::PatchMesh;
 use crate::simplify::star::LEAST_AREA;
+use crate::wake::Wake;
 use bytemuck::{Pod, Zeroable};
 use std::fmt::Write;
 
@@ -81,15 +82,13 @@ gpu_structs! {
     PatchDraw {
         /// Device address of its vertices.
         vertices: [u32; 2],
-        /// Device address of the triangles of the chosen index level.
+        /// Device address of its triangles, those of all index levels.
         triangles: [u32; 2],
-        /// Vertices to select and resolve: those of the chosen index level.
+        /// Vertices to select and resolve: the prefix that the view looks at.
         vertex_count: u32,
-        /// Triangles of the chosen index level.
-        triangle_count: u32,
         /// First word of its awake bits.
         awake_offset: u32,
-        /// First entry of its resolved vertices, and of their morph weights.
+        /// First entry of its resolved and of its drawn vertices.
         resolve_offset: u32,
         /// Sides with a coarser neighbour, bits in order left, right, bottom, top.
         coarser_sides: u32,
@@ -109,12 +108,22 @@ gpu_structs! {
         grid_axis: [f32; 3],
     }
 
-    /// A run of work of one workgroup: a patch and the first vertex or triangle in it.
+    /// Where a vertex is drawn. One that sleeps is not, and has its own place and a weight of 1 here.
+    DrawnVertex {
+        /// Lattice units from the eye of the view that it was selected in.
+        place: [f32; 3],
+        /// Morph weight: 0 in its own place, up to 1 in its parent's.
+        weight: f32,
+    }
+
+    /// A run of work of one workgroup: a patch, and which of its vertices or triangles.
     Task {
         /// Number of the patch in the table of draws.
         patch_number: u32,
         /// First vertex or triangle.
         first: u32,
+        /// One past the last.
+        end: u32,
     }
 
     /// The view, as selection and drawing see it. Lengths in lattice units unless said otherwise.
@@ -137,6 +146,8 @@ gpu_structs! {
         morph_rate: f32,
         /// Grid cells along a patch side.
         cells: u32,
+        /// From the eye to the eye of the view that the drawn mesh was selected in; 0 unless the selection is frozen.
+        shift: [f32; 3],
         /// Metres in a lattice unit.
         unit: f32,
         /// Near plane in metres.
@@ -267,6 +278,11 @@ impl PatchVertex {
     pub fn parent(&self) -> u32 {
         self.parent_coarser & 0xffff
     }
+
+    /// The larger of its two wakes.
+    pub fn wake(&self) -> Wake {
+        Wake::from_code((self.grid_own.max(self.parent_coarser) >> 16) as u16)
+    }
 }
 
 /// The generated GLSL: all structures and shared constants.
@@ -285,7 +301,6 @@ pub fn glsl() -> String {
         ("VERTEX_BITS", VERTEX_BITS),
         ("SELECT_CHUNK", SELECT_CHUNK),
         ("RESOLVE_CHUNK", RESOLVE_CHUNK),
-        ("EMIT_CHUNK", EMIT_CHUNK),
         ("MODE_SHADED", Mode::Shaded as u32),
         ("MODE_WIRE", Mode::Wire as u32),
         ("MODE_LEVELS", Mode::Levels as u32),
@@ -293,7 +308,7 @@ pub fn glsl() -> String {
         ("MODE_ALBEDO", Mode::Albedo as u32),
         ("MODE_DEPTH", Mode::Depth as u32),
         ("TEXTURE_GUTTER", crate::ground::GUTTER as u32),
-        ("WAKE_ALWAYS", u32::from(crate::wake::Wake::ALWAYS.code())),
+        ("WAKE_ALWAYS", u32::from(Wake::ALWAYS.code())),
     ];
     for (name, value) in constants {
         let _ = writeln!(text, "const uint {name} = {value}u;");
@@ -343,6 +358,7 @@ mod tests {
         let sizes = [
             size_of::<PatchVertex>(),
             size_of::<PatchDraw>(),
+            size_of::<DrawnVertex>(),
             size_of::<Task>(),
             size_of::<FrameView>(),
             size_of::<Shading>(),

@@ -109,6 +109,7 @@ impl View {
             reach: reach as f32,
             morph_rate: (1.0 / (reach - scale)) as f32,
             cells,
+            shift: [0.0; 3],
             unit: lattice.unit as f32,
             near: NEAR,
             clip: clip_matrix(&camera, NEAR).to_cols_array_2d(),

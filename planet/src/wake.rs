@@ -43,7 +43,7 @@ impl Wake {
         if distance <= 1.0 {
             return Wake(1);
         }
-        if distance >= Wake(u16::MAX - 1).distance() {
+        if distance > Wake(u16::MAX - 1).distance() {
             return Wake::ALWAYS;
         }
         // The bits of a double above the mantissa's first 10, rounded up: a full mantissa carries into the exponent.
@@ -81,6 +81,7 @@ mod tests {
         for code in 1..u16::MAX {
             assert!(Wake(code).distance() < Wake(code + 1).distance(), "{code}");
         }
+        assert_eq!(Wake::round_up(Wake(u16::MAX - 1).distance()), Wake(u16::MAX - 1));
     }
 
     proptest! {

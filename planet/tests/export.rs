@@ -12,7 +12,7 @@ use terrane_planet::patch::PatchId;
 use terrane_planet::planet::Planet;
 use terrane_planet::progressive::PatchMesh;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::reference::cut::{cut, distance_to_box, is_visible};
+use terrane_planet::reference::cut::{cut, is_visible};
 use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
 use terrane_planet::sphere::direction_at;
 use terrane_planet::tree::{PatchFacts, PatchTree};
@@ -180,11 +180,11 @@ fn a_view_has_the_triangles_of_the_twins() {
                 continue;
             }
             let patch = tiny.load(leaf.id);
-            let level = patch.reach.level_for(distance_to_box(&view, &patch.mesh.bounds), view.reach);
-            let vertices = &patch.vertices[..level.vertices as usize];
+            let work = patch.reach.work(&view);
+            let vertices = &patch.vertices[..work.vertices as usize];
             let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
             let resolved = resolve(vertices, &selected.awake);
-            let drawn = emit(&view.gpu, vertices, patch.triangles(level), &resolved, &selected.morph);
+            let drawn = emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.places);
             corners.extend(drawn.iter().map(|t| t.map(|v| vertices[v as usize].position)));
         }
         let surface = tiny.surface(&view, false);

@@ -8,14 +8,13 @@ mod common;
 mod whole_planet;
 
 use common::TestField;
-use glam::{DVec3, IVec3, Mat4};
+use glam::{DVec3, IVec3, Mat4, Vec3};
 use terrane_planet::patch::PatchId;
 use terrane_planet::query::{KnownGround, PatchGrid};
 use terrane_planet::rays::Ray;
-use terrane_planet::reference::cut::{cut, distance_to_box, is_visible};
+use terrane_planet::reference::cut::{cut, is_visible};
 use terrane_planet::reference::{
     emit::emit,
-    place::drawn_place,
     resolve::resolve,
     select::{select, Selected},
 };
@@ -109,20 +108,20 @@ fn draw(planet: &Planet, view: &View, name: &str) -> (usize, bool) {
     let cut = cut(&planet.tree, view, &|_| true);
     let whole = view.without_culling();
     let pixels = pixels(&view.camera);
-    let (mut check, mut covered) = (SurfaceCheck::new(&view.gpu), vec![false; pixels.len()]);
+    let (mut check, mut covered) = (SurfaceCheck::default(), vec![false; pixels.len()]);
     let clip = Mat4::from_cols_array_2d(&view.gpu.clip);
     for leaf in &cut.leaves {
         let patch = &planet.patches[&leaf.id].0;
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
-        let vertices = &patch.vertices[..level.vertices as usize];
-        let Selected { awake, morph } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+        let work = patch.reach.work(view);
+        let vertices = &patch.vertices[..work.vertices as usize];
+        let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
         let resolved = resolve(vertices, &awake);
-        check.add(vertices, &morph, &emit(&whole.gpu, vertices, patch.triangles(level), &resolved, &morph));
+        check.add(vertices, &places, &emit(&whole.gpu, &patch.triangles(&work), &resolved, &places));
         if !is_visible(&planet.tree, view, planet.tree.get(leaf.id).unwrap()) {
             continue;
         }
-        for triangle in emit(&view.gpu, vertices, patch.triangles(level), &resolved, &morph) {
-            let corners = triangle.map(|v| drawn_place(&view.gpu, vertices, v, morph[v as usize]) * view.gpu.unit);
+        for triangle in emit(&view.gpu, &patch.triangles(&work), &resolved, &places) {
+            let corners = triangle.map(|v| Vec3::from_array(places[v as usize].place) * view.gpu.unit);
             assert!(corners.iter().all(|&c| (clip * c.extend(1.0)).is_finite()), "{name}: {corners:?}");
             let meets = |ray: &Ray| ray.distance_to(corners.map(|c| c.as_dvec3()), 0.0).is_some();
             covered.iter_mut().zip(&pixels).for_each(|(covered, ray)| *covered |= meets(ray));

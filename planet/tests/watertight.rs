@@ -7,7 +7,7 @@ mod whole_planet;
 use common::TestField;
 use std::collections::HashMap;
 use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::{at_data_rim, cut, distance_to_box, Cut};
+use terrane_planet::reference::cut::{at_data_rim, cut, Cut};
 use terrane_planet::reference::{
     emit::emit,
     resolve::resolve,
@@ -19,18 +19,18 @@ use whole_planet::{planet, views, Planet};
 
 /// Report and closure violations (away from the rim of the data) of a cut drawn without culling.
 fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (SurfaceReport, usize) {
-    let mut check = SurfaceCheck::new(&view.gpu);
+    let mut check = SurfaceCheck::default();
     let mut violations = 0;
     for leaf in &cut.leaves {
         let (patch, rings) = &planet.patches[&leaf.id];
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
-        let vertices = &patch.vertices[..level.vertices as usize];
+        let work = patch.reach.work(view);
+        let vertices = &patch.vertices[..work.vertices as usize];
         let sides = if forget_sides { 0 } else { u32::from(leaf.coarser_sides) };
-        let Selected { awake, morph } = select(&view.gpu, vertices, sides);
-        let triangles = emit(&view.gpu, vertices, patch.triangles(level), &resolve(vertices, &awake), &morph);
-        check.add(vertices, &morph, &triangles);
+        let Selected { awake, places } = select(&view.gpu, vertices, sides);
+        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(vertices, &awake), &places);
+        check.add(vertices, &places, &triangles);
         if !at_data_rim(&planet.tree, leaf) {
-            violations += rings.violations(&awake, &morph);
+            violations += rings.violations(&awake, &places);
         }
     }
     (check.finish(), violations)

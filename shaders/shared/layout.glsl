@@ -13,7 +13,6 @@ struct PatchDraw {
     uvec2 vertices;
     uvec2 triangles;
     uint vertex_count;
-    uint triangle_count;
     uint awake_offset;
     uint resolve_offset;
     uint coarser_sides;
@@ -26,9 +25,15 @@ struct PatchDraw {
     vec3 grid_axis;
 };
 
+struct DrawnVertex {
+    vec3 place;
+    float weight;
+};
+
 struct Task {
     uint patch_number;
     uint first;
+    uint end;
 };
 
 struct FrameView {
@@ -41,6 +46,7 @@ struct FrameView {
     float reach;
     float morph_rate;
     uint cells;
+    vec3 shift;
     float unit;
     float near;
     mat4 clip;
@@ -85,7 +91,6 @@ const uint NO_LAYER = 4294967295u;
 const uint VERTEX_BITS = 15u;
 const uint SELECT_CHUNK = 1024u;
 const uint RESOLVE_CHUNK = 256u;
-const uint EMIT_CHUNK = 256u;
 const uint MODE_SHADED = 0u;
 const uint MODE_WIRE = 1u;
 const uint MODE_LEVELS = 2u;

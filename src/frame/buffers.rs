@@ -4,7 +4,7 @@
 use super::tables::FrameTables;
 use crate::vulkan::{Buffer, Context, Memory, Result, Usage, FRAMES_IN_FLIGHT};
 use std::sync::Arc;
-use terrane_planet::layout::{EmitState, FrameView, Shading};
+use terrane_planet::layout::{DrawnVertex, EmitState, FrameView, Shading};
 
 /// Most triangles a frame emits unless told otherwise; more are counted, not drawn, and reported.
 pub const MAX_TRIANGLES: u32 = 6_000_000;
@@ -32,8 +32,8 @@ pub struct FrameBuffers {
     pub awake: Buffer,
     /// Resolved vertices, GPU-written.
     pub resolved: Buffer,
-    /// Morph weights, GPU-written, at the places of the resolved vertices.
-    pub morph: Buffer,
+    /// Drawn vertices, GPU-written, at the offsets of the resolved ones.
+    pub places: Buffer,
     /// Emitted triangles, GPU-written.
     pub indices: Buffer,
     /// Counters and the indirect draw, GPU-written.
@@ -51,7 +51,7 @@ impl FrameBuffers {
             max_triangles: MAX_TRIANGLES,
             awake: storage(context, "awake", 4096)?,
             resolved: storage(context, "resolved", 4096)?,
-            morph: storage(context, "morph", 4096)?,
+            places: storage(context, "places", 4096)?,
             indices: indices(context, 1024)?,
             state: Buffer::new(
                 context,
@@ -71,7 +71,8 @@ impl FrameBuffers {
         let context = self.context.clone();
         grow(&mut self.awake, 4 * u64::from(tables.awake_words), |bytes| storage(&context, "awake", bytes))?;
         grow(&mut self.resolved, 4 * u64::from(tables.vertices), |bytes| storage(&context, "resolved", bytes))?;
-        grow(&mut self.morph, 4 * u64::from(tables.vertices), |bytes| storage(&context, "morph", bytes))?;
+        let drawn = bytes_of::<DrawnVertex>() * u64::from(tables.vertices);
+        grow(&mut self.places, drawn, |bytes| storage(&context, "places", bytes))?;
         grow(&mut self.indices, 12 * u64::from(capacity), |bytes| indices(&context, bytes))?;
         self.inputs[self.slot].write(&context, tables, view, shading, capacity)
     }

@@ -82,6 +82,6 @@ fn geometry(buffers: &FrameBuffers) -> [(&'static str, Resource<'_>); 3] {
     [
         ("View", Resource::Storage(buffers.view())),
         ("Patches", Resource::Storage(buffers.patches())),
-        ("Morph", Resource::Storage(&buffers.morph)),
+        ("Places", Resource::Storage(&buffers.places)),
     ]
 }

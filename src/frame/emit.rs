@@ -21,7 +21,7 @@ impl Emit {
         })
     }
 
-    /// Records the stage: reads `buffers.resolved` and `buffers.morph`, fills `buffers.indices` and `buffers.state`.
+    /// Records the stage: reads `buffers.resolved` and `buffers.places`, fills `buffers.indices` and `buffers.state`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let (tasks, count) = buffers.tasks(2);
         commands.bind(
@@ -33,7 +33,7 @@ impl Emit {
                 ("Resolved", Resource::Storage(&buffers.resolved)),
                 ("Indices", Resource::Storage(&buffers.indices)),
                 ("State", Resource::Storage(&buffers.state)),
-                ("Morph", Resource::Storage(&buffers.morph)),
+                ("Places", Resource::Storage(&buffers.places)),
             ],
         )?;
         commands.push_constants(&count)?;

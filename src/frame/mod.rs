@@ -32,7 +32,7 @@ use resolve::Resolve;
 use select::Select;
 use sky::Sky;
 use std::sync::Arc;
-use terrane_planet::layout::{EmitState, Mode, Shading};
+use terrane_planet::layout::{EmitState, FrameView, Mode, Shading};
 use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
 use tonemap::Tonemap;
@@ -92,7 +92,8 @@ impl Renderer {
     /// frame before, and the scene must not have been updated since.
     pub fn prepare_again(&mut self, scene: &Scene, view: &View, tables: &FrameTables, look: &Look) -> Result<()> {
         let shading = lit(scene, view, look);
-        self.buffers.write(tables, &view.gpu, &shading)
+        let shift = (tables.eye - view.eye).as_vec3().to_array();
+        self.buffers.write(tables, &FrameView { shift, ..view.gpu }, &shading)
     }
 
     /// In place of [`Renderer::record_mesh`] after [`Renderer::prepare_again`].

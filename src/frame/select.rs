@@ -1,4 +1,4 @@
-//! Stage `select`: awake bits and morph weights of every vertex in reach. Shader: `select.comp`. Twin: `reference/select.rs`.
+//! Stage `select`: awake bits and places of every vertex in reach. Shader: `select.comp`. Twin: `reference/select.rs`.
 
 use super::buffers::FrameBuffers;
 use crate::shaders;
@@ -21,7 +21,7 @@ impl Select {
         Ok(Select { pipeline: ComputePipeline::new(context, &shaders::SELECT_COMP, &[(0, ballot)])? })
     }
 
-    /// Records the stage: fills `buffers.awake` and `buffers.morph`, and counts the awake vertices.
+    /// Records the stage: fills `buffers.awake` and `buffers.places`, and counts the awake vertices.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let (tasks, count) = buffers.tasks(0);
         commands.bind(
@@ -32,7 +32,7 @@ impl Select {
                 ("Tasks", Resource::Storage(tasks)),
                 ("Awake", Resource::Storage(&buffers.awake)),
                 ("State", Resource::Storage(&buffers.state)),
-                ("Morph", Resource::Storage(&buffers.morph)),
+                ("Places", Resource::Storage(&buffers.places)),
             ],
         )?;
         commands.push_constants(&count)?;

@@ -4,8 +4,10 @@
 //! small dispatches would cost more than the work itself (TRIALS section 4).
 
 use crate::scene::{ResidentPatch, Scene};
+use glam::DVec3;
+use std::ops::Range;
 use terrane_planet::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_LAYER, RESOLVE_CHUNK, SELECT_CHUNK};
-use terrane_planet::reference::cut::{distance_to_box, is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
+use terrane_planet::reference::cut::{is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
 use terrane_planet::view::View;
 
 /// The tables of one frame.
@@ -23,12 +25,14 @@ pub struct FrameTables {
     pub vertices: u32,
     /// Triangles that emission looks at.
     pub triangles: u32,
+    /// The eye that selection goes by, in lattice units.
+    pub eye: DVec3,
 }
 
 impl FrameTables {
     /// Tables of a view. `whole` keeps patches that the camera cannot see.
     pub fn new(scene: &Scene, view: &View, cut: &Cut, whole: bool) -> FrameTables {
-        let mut tables = FrameTables::default();
+        let mut tables = FrameTables { eye: view.eye, ..FrameTables::default() };
         for leaf in cut.leaves.iter().take(MAX_PATCHES as usize) {
             let (Some(node), Some(patch)) = (scene.tree().get(leaf.id), scene.resident(leaf.id)) else { continue };
             if whole || is_visible(scene.tree(), view, node) {
@@ -39,7 +43,7 @@ impl FrameTables {
     }
 
     fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, patch: &ResidentPatch) {
-        let level = patch.level_for(distance_to_box(view, &patch.bounds), view.reach);
+        let work = patch.work(view);
         let parent = leaf.id.parent();
         let metres = |level: u8| texture_distance(scene.tree(), view, level) * scene.tree().lattice.unit;
         let fade = parent.map_or(f64::MAX, |p| metres(p.level));
@@ -48,9 +52,8 @@ impl FrameTables {
         grid_axis[leaf.id.face.grid_axes().0] = 1.0;
         self.patches.push(PatchDraw {
             vertices: words(patch.vertices_address()),
-            triangles: words(patch.triangles_address(level)),
-            vertex_count: level.vertices,
-            triangle_count: level.count,
+            triangles: words(patch.triangles_address()),
+            vertex_count: work.vertices,
             awake_offset: self.awake_words,
             resolve_offset: self.vertices,
             coarser_sides: u32::from(leaf.coarser_sides),
@@ -63,14 +66,20 @@ impl FrameTables {
             grid_axis,
         });
         self.leaves.push(leaf);
-        let work = [(SELECT_CHUNK, level.vertices), (RESOLVE_CHUNK, level.vertices), (EMIT_CHUNK, level.count)];
-        for (tasks, (chunk, count)) in self.tasks.iter_mut().zip(work) {
-            tasks.extend((0..count).step_by(chunk as usize).map(|first| Task { patch_number: number, first }));
-        }
-        self.awake_words += level.vertices.div_ceil(32);
-        self.vertices += level.vertices;
-        self.triangles += level.count;
+        let [select, resolve, emit] = &mut self.tasks;
+        add_tasks(select, number, 0..work.vertices, SELECT_CHUNK);
+        add_tasks(resolve, number, 0..work.vertices, RESOLVE_CHUNK);
+        work.triangles.iter().for_each(|run| add_tasks(emit, number, run.clone(), EMIT_CHUNK));
+        self.awake_words += work.vertices.div_ceil(32);
+        self.vertices += work.vertices;
+        self.triangles += work.triangle_count();
     }
+}
+
+/// Divides a run of a patch's vertices or triangles among workgroups.
+fn add_tasks(tasks: &mut Vec<Task>, patch_number: u32, run: Range<u32>, chunk: u32) {
+    let end = |first: u32| run.end.min(first + chunk);
+    tasks.extend(run.clone().step_by(chunk as usize).map(|first| Task { patch_number, first, end: end(first) }));
 }
 
 fn words(address: u64) -> [u32; 2] {

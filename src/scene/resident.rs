@@ -2,24 +2,22 @@
 
 use crate::vulkan::{Buffer, Context, Memory, Result, Upload, Usage};
 use std::sync::Arc;
-use terrane_planet::lattice::LatticeBox;
 use terrane_planet::layout::PatchVertex;
-use terrane_planet::progressive::IndexLevel;
-use terrane_planet::verify::{LoadedPatch, Reach};
+use terrane_planet::reference::work::{Reach, Work};
+use terrane_planet::verify::LoadedPatch;
+use terrane_planet::view::View;
 
-/// Bytes of a triangle: three 16-bit places and padding.
-const TRIANGLE_BYTES: u64 = 8;
+/// Bytes of a triangle: three 16-bit places.
+const TRIANGLE_BYTES: u64 = 6;
 
-/// Bytes that a patch of `cells` cells a side takes, about: its vertices, and the triangles of all index levels, twice the finest.
+/// Bytes that a patch of `cells` cells a side takes, about: its vertices, and the triangles of all index levels, 2.75 times the finest.
 pub(super) fn bytes_of_patch(cells: u32) -> u64 {
     let (cells, row) = (u64::from(cells), u64::from(cells) + 1);
-    row * row * size_of::<PatchVertex>() as u64 + 4 * cells * cells * TRIANGLE_BYTES
+    row * row * size_of::<PatchVertex>() as u64 + 11 * cells * cells * TRIANGLE_BYTES / 2
 }
 
 /// A patch that can be drawn.
 pub struct ResidentPatch {
-    /// Box around its own vertices.
-    pub bounds: LatticeBox,
     /// Layer of its textures.
     pub layer: Option<u32>,
     /// Number of the latest frame that used it.
@@ -38,26 +36,19 @@ impl ResidentPatch {
         layer: Option<u32>,
         frame: u64,
     ) -> Result<ResidentPatch> {
-        let triangles: Vec<[u32; 2]> =
-            patch.lists.triangles.iter().map(|&[a, b, c]| [u32::from(a) | u32::from(b) << 16, u32::from(c)]).collect();
+        let triangles = &patch.lists.triangles;
         let start = (size_of::<PatchVertex>() * patch.vertices.len()).next_multiple_of(16) as u64;
-        let bytes = start + TRIANGLE_BYTES * triangles.len() as u64;
+        // Emission reads whole words.
+        let bytes = start + (TRIANGLE_BYTES * triangles.len() as u64).next_multiple_of(4);
         let buffer = Buffer::new(context, &format!("patch {}", patch.mesh.id), bytes, Usage::STORAGE_BUFFER, Memory::Device)?;
         upload.buffer(&buffer, 0, &patch.vertices)?;
-        upload.buffer(&buffer, start, &triangles)?;
-        Ok(ResidentPatch {
-            bounds: patch.mesh.bounds,
-            layer,
-            last_used: frame,
-            reach: patch.reach.clone(),
-            buffer,
-            triangles: start,
-        })
+        upload.buffer(&buffer, start, triangles)?;
+        Ok(ResidentPatch { layer, last_used: frame, reach: patch.reach.clone(), buffer, triangles: start })
     }
 
-    /// See [`Reach::level_for`].
-    pub fn level_for(&self, distance: f64, reach: f64) -> IndexLevel {
-        self.reach.level_for(distance, reach)
+    /// What a view looks at.
+    pub fn work(&self, view: &View) -> Work {
+        self.reach.work(view)
     }
 
     /// Device address of its vertices.
@@ -65,9 +56,9 @@ impl ResidentPatch {
         self.buffer.device_address()
     }
 
-    /// Device address of the triangles of one of its levels.
-    pub fn triangles_address(&self, level: IndexLevel) -> u64 {
-        self.buffer.device_address() + self.triangles + TRIANGLE_BYTES * u64::from(level.first)
+    /// Device address of the triangles of all its levels.
+    pub fn triangles_address(&self) -> u64 {
+        self.buffer.device_address() + self.triangles
     }
 
     /// Its buffer, to be kept alive while a frame uses it.

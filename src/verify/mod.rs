@@ -78,7 +78,7 @@ impl Verifier {
         let twins: Vec<Twin> = leaves.filter_map(|leaf| Some(Twin::new(view, leaf, self.patches.get(&leaf.id)?))).collect();
         let mut report = ViewReport::default();
         report.mismatches.patches = cut.leaves.len() - twins.len();
-        check_surface(scene, view, &twins, &frame, &headless.read_selection(&frame)?, &mut report);
+        check_surface(scene, &twins, &frame, &headless.read_selection(&frame)?, &mut report);
         let culled = headless.select_whole(scene, view, &cut, &LOOK)?;
         check_culled(view, &twins, &culled, &headless.read_selection(&culled)?, &mut report);
         Ok(report)
@@ -100,22 +100,15 @@ impl Verifier {
 }
 
 /// The surface that the GPU emitted without culling, and every stage on the way to it.
-fn check_surface(
-    scene: &Scene,
-    view: &View,
-    twins: &[Twin],
-    frame: &FrameReport,
-    selection: &Selection,
-    report: &mut ViewReport,
-) {
+fn check_surface(scene: &Scene, twins: &[Twin], frame: &FrameReport, selection: &Selection, report: &mut ViewReport) {
     let (lists, stray) = triangles_by_patch(&frame.tables.patches, &selection.triangles);
     report.mismatches.triangles = stray;
     report.triangles = selection.triangles.len();
     report.dropped = overflow(frame);
-    let mut surface = SurfaceCheck::new(&view.gpu);
+    let mut surface = SurfaceCheck::default();
     for ((twin, draw), triangles) in twins.iter().zip(&frame.tables.patches).zip(lists) {
         let before = surface.so_far();
-        surface.add(&twin.known.loaded.vertices, twin.morph_of(draw, selection), &triangles);
+        surface.add(&twin.known.loaded.vertices, twin.places_of(draw, selection), &triangles);
         let after = surface.so_far();
         let mismatches = twin.compare_stages(draw, selection);
         report.mismatches += mismatches;
@@ -127,7 +120,7 @@ fn check_surface(
         faults.degenerate += after.degenerate - before.degenerate;
         match &twin.known.rings {
             Some(rings) if mismatches.patches == 0 => {
-                faults.closure_violations += rings.violations(twin.words_of(draw, selection), twin.morph_of(draw, selection))
+                faults.closure_violations += rings.violations(twin.words_of(draw, selection), twin.places_of(draw, selection))
             }
             Some(_) => {}
             None => report.broken_hierarchies += 1,

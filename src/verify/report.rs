@@ -32,8 +32,8 @@ counts! {
         patches,
         /// Awake bits.
         awake,
-        /// Morph weights.
-        morph,
+        /// Places and morph weights of vertices.
+        places,
         /// Resolved vertices.
         resolved,
         /// Triangles emitted without culling that only one side has.

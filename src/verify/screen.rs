@@ -96,12 +96,12 @@ impl Verifier {
         let twins: Vec<Twin> =
             cut.leaves.iter().filter_map(|leaf| Some(Twin::new(view, leaf, self.patches.get(&leaf.id)?))).collect();
         let triangles: Vec<Vec<[u32; 3]>> = twins.iter().map(|twin| twin.emit(None)).collect();
-        let mut surface = SurfaceCheck::new(&view.gpu);
+        let mut surface = SurfaceCheck::default();
         let mut drawn = Vec::with_capacity(twins.len());
         for (twin, triangles) in twins.iter().zip(&triangles) {
             let vertices = &twin.known.loaded.vertices;
-            surface.add(vertices, twin.morph(), triangles);
-            drawn.push(Drawn { leaf: twin.leaf, vertices, morph: twin.morph(), triangles });
+            surface.add(vertices, twin.places(), triangles);
+            drawn.push(Drawn { leaf: twin.leaf, vertices, places: twin.places(), triangles });
         }
         let finest = FinestSurface::new(tree, &|id| perturbation.is_resident(id, k), &self.grids);
         let effort = Effort { pixels: rays, finer_samples: rays, seed: k as u64 };

@@ -4,9 +4,9 @@ use super::report::Mismatches;
 use crate::headless::Selection;
 use std::cmp::Ordering;
 use terrane_planet::lattice::Lattice;
-use terrane_planet::layout::{FrameView, PatchDraw, PatchVertex, VERTEX_BITS};
-use terrane_planet::progressive::{IndexLevel, PatchMesh};
-use terrane_planet::reference::cut::{distance_to_box, Leaf};
+use terrane_planet::layout::{DrawnVertex, FrameView, PatchDraw, PatchVertex, VERTEX_BITS};
+use terrane_planet::progressive::PatchMesh;
+use terrane_planet::reference::cut::Leaf;
 use terrane_planet::reference::{
     emit::emit,
     resolve::resolve,
@@ -34,7 +34,7 @@ pub(super) struct Twin<'a> {
     pub(super) known: &'a KnownPatch,
     pub(super) leaf: Leaf,
     gpu: FrameView,
-    level: IndexLevel,
+    triangles: Vec<[u16; 3]>,
     vertices: &'a [PatchVertex],
     selected: Selected,
     resolved: Vec<u32>,
@@ -43,22 +43,23 @@ pub(super) struct Twin<'a> {
 impl<'a> Twin<'a> {
     pub(super) fn new(view: &View, leaf: &Leaf, known: &'a KnownPatch) -> Twin<'a> {
         let patch = &known.loaded;
-        let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
-        let vertices = &patch.vertices[..level.vertices as usize];
+        let work = patch.reach.work(view);
+        let vertices = &patch.vertices[..work.vertices as usize];
         let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
         let resolved = resolve(vertices, &selected.awake);
-        Twin { known, leaf: *leaf, gpu: view.without_culling().gpu, level, vertices, selected, resolved }
+        let triangles = patch.triangles(&work);
+        Twin { known, leaf: *leaf, gpu: view.without_culling().gpu, triangles, vertices, selected, resolved }
     }
 
     /// The triangles that `view` draws, or without culling.
     pub(super) fn emit(&self, view: Option<&View>) -> Vec<[u32; 3]> {
         let view = view.map_or(&self.gpu, |view| &view.gpu);
-        emit(view, self.vertices, self.known.loaded.triangles(self.level), &self.resolved, &self.selected.morph)
+        emit(view, &self.triangles, &self.resolved, &self.selected.places)
     }
 
-    /// Morph weights of the prefix that was selected.
-    pub(super) fn morph(&self) -> &[f32] {
-        &self.selected.morph
+    /// Where the vertices of the prefix that was selected are drawn.
+    pub(super) fn places(&self) -> &[DrawnVertex] {
+        &self.selected.places
     }
 
     pub(super) fn awake_count(&self) -> usize {
@@ -71,16 +72,16 @@ impl<'a> Twin<'a> {
         &selection.awake[start..start + draw.vertex_count.div_ceil(32) as usize]
     }
 
-    /// The GPU's morph weights of this patch.
-    pub(super) fn morph_of<'s>(&self, draw: &PatchDraw, selection: &'s Selection) -> &'s [f32] {
+    /// Where the GPU draws the vertices of this patch.
+    pub(super) fn places_of<'s>(&self, draw: &PatchDraw, selection: &'s Selection) -> &'s [DrawnVertex] {
         let start = draw.resolve_offset as usize;
-        &selection.morph[start..start + draw.vertex_count as usize]
+        &selection.places[start..start + draw.vertex_count as usize]
     }
 
-    /// Differences in table, awake bits, morph weights and resolved vertices. Patches that were given other tables are not compared further.
+    /// Differences in table, awake bits, places and resolved vertices. Patches that were given other tables are not compared further.
     pub(super) fn compare_stages(&self, draw: &PatchDraw, selection: &Selection) -> Mismatches {
-        let tables = (draw.vertex_count, draw.triangle_count, draw.coarser_sides, draw.level);
-        if tables != (self.level.vertices, self.level.count, u32::from(self.leaf.coarser_sides), u32::from(self.leaf.id.level)) {
+        let tables = (draw.vertex_count, draw.coarser_sides, draw.level);
+        if tables != (self.vertices.len() as u32, u32::from(self.leaf.coarser_sides), u32::from(self.leaf.id.level)) {
             return Mismatches { patches: 1, ..Mismatches::default() };
         }
         let start = draw.resolve_offset as usize;
@@ -88,7 +89,7 @@ impl<'a> Twin<'a> {
         let differing_bits = |(a, b): (&u32, &u32)| (a ^ b).count_ones() as usize;
         Mismatches {
             awake: self.words_of(draw, selection).iter().zip(&self.selected.awake).map(differing_bits).sum(),
-            morph: self.morph_of(draw, selection).iter().zip(self.morph()).filter(|(a, b)| a != b).count(),
+            places: self.places_of(draw, selection).iter().zip(self.places()).filter(|(a, b)| a != b).count(),
             resolved: resolved.iter().zip(&self.resolved).filter(|(a, b)| a != b).count(),
             ..Mismatches::default()
         }

@@ -2,7 +2,7 @@
 
 use crate::layout::PatchVertex;
 use crate::patch::PatchId;
-use crate::reference::cut::{cut, distance_to_box, is_visible, Leaf};
+use crate::reference::cut::{cut, is_visible, Leaf};
 use crate::reference::{emit::emit, resolve::resolve, select::select};
 use crate::tree::PatchTree;
 use crate::verify::LoadedPatch;
@@ -82,9 +82,9 @@ pub fn view_surface<E>(
 
 /// The triangles that a view draws of a patch.
 fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch) -> Vec<[u32; 3]> {
-    let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
-    let vertices = &patch.vertices[..level.vertices as usize];
+    let work = patch.reach.work(view);
+    let vertices = &patch.vertices[..work.vertices as usize];
     let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
     let resolved = resolve(vertices, &selected.awake);
-    emit(&view.gpu, vertices, patch.triangles(level), &resolved, &selected.morph)
+    emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.places)
 }

@@ -4,5 +4,5 @@ pub mod index_levels;
 pub mod patch_mesh;
 pub mod replay;
 
-pub use index_levels::{covering, IndexLevel, IndexLevels};
+pub use index_levels::{IndexLevel, IndexLevels};
 pub use patch_mesh::{PatchMesh, Vertex};

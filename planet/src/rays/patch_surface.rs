@@ -3,7 +3,7 @@
 use super::box_tree::BoxTree;
 use super::Ray;
 use crate::lattice::{Lattice, LatticeBox};
-use crate::layout::PatchVertex;
+use crate::layout::{DrawnVertex, PatchVertex};
 use crate::progressive::PatchMesh;
 use crate::reference::place::exact_place;
 use crate::simplify::mesh::grid_triangles;
@@ -53,9 +53,9 @@ impl PatchSurface {
 }
 
 impl PatchSurface<DVec3> {
-    /// Drawn triangles of a patch, as places in `vertices`. `morph` holds the weights of as many vertices as triangles use.
-    pub fn of_drawn(vertices: &[PatchVertex], morph: &[f32], triangles: &[[u32; 3]]) -> Self {
-        let positions = (0u32..).zip(morph).map(|(v, &weight)| exact_place(vertices, v, weight)).collect();
+    /// Drawn triangles of a patch, as places in `vertices`. `places` holds as many vertices as triangles use.
+    pub fn of_drawn(vertices: &[PatchVertex], places: &[DrawnVertex], triangles: &[[u32; 3]]) -> Self {
+        let positions = (0u32..).zip(places).map(|(v, drawn)| exact_place(vertices, v, drawn.weight)).collect();
         PatchSurface::new(positions, triangles.into(), 1)
     }
 }
@@ -112,7 +112,7 @@ mod tests {
     fn heights_of_a_triangle_far_from_the_centre_are_exact() {
         let far = 1 << 30;
         let vertices = [[far, 0, 0], [far, 900, 0], [far + 300, 0, 900]].map(vertex);
-        let surface = PatchSurface::of_drawn(&vertices, &[0.0; 3], &[[0, 1, 2]]);
+        let surface = PatchSurface::of_drawn(&vertices, &[DrawnVertex::default(); 3], &[[0, 1, 2]]);
         let through = DVec3::new(f64::from(far) + 100.0, 300.0, 300.0);
         let found = surface.nearest(&Ray::radial(through)).unwrap();
         assert!((found - through.length()).abs() < 1e-5, "{}", found - through.length());
@@ -126,7 +126,7 @@ mod tests {
         // Two walls of a valley, a cell of 77 lattice units wide: a ray two units beside its floor meets the near wall only.
         let far = 1 << 30;
         let corners = [[far + 60, -77, 0], [far, 0, 0], [far, 0, 77], [far + 60, 77, 0]];
-        let surface = PatchSurface::of_drawn(&corners.map(vertex), &[0.0; 4], &[[0, 1, 2], [1, 3, 2]]);
+        let surface = PatchSurface::of_drawn(&corners.map(vertex), &[DrawnVertex::default(); 4], &[[0, 1, 2], [1, 3, 2]]);
         for aside in [-2.0, 2.0] {
             let found = surface.nearest(&Ray::radial(DVec3::new(f64::from(far), aside, 10.0))).unwrap();
             assert!((found - f64::from(far) - 2.0 * 60.0 / 77.0).abs() < 1e-3, "{}", found - f64::from(far));

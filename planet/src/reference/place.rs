@@ -1,4 +1,4 @@
-//! Twin of `drawn_place` in `shared/frame.glsl`: where vertices are drawn.
+//! Twin of `drawn_place` in `select.comp`: where vertices are drawn.
 //!
 //! A vertex that wakes comes out of its parent's place (Hoppe's geomorph, 1996): its *morph weight* falls from 1, its parent's place, to
 //! 0, its own, while the viewer comes from `reach` to `scale` times its wake. Its parent stands still meanwhile.

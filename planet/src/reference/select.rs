@@ -1,9 +1,9 @@
-//! Twin of `select.comp`: which vertices of a patch are awake, and how far each is on its way to its parent's place.
+//! Twin of `select.comp`: which vertices of a patch are awake, and where they are drawn.
 //!
 //! Every operation is a single-precision IEEE operation in the order of the shader, which marks them `precise`.
 
-use super::place::relative;
-use crate::layout::{FrameView, PatchVertex};
+use super::place::{drawn_place, relative};
+use crate::layout::{DrawnVertex, FrameView, PatchVertex};
 use crate::wake::Wake;
 use glam::Vec3;
 
@@ -12,8 +12,8 @@ use glam::Vec3;
 pub struct Selected {
     /// Awake bits, 32 a word.
     pub awake: Vec<u32>,
-    /// Morph weight of each vertex, see [`super::place`]; 1 for those that sleep.
-    pub morph: Vec<f32>,
+    /// Where each vertex is drawn.
+    pub places: Vec<DrawnVertex>,
 }
 
 #[inline]
@@ -35,7 +35,7 @@ pub fn on_sides(grid: u32, cells: u32, sides: u32) -> bool {
     (sides & 1 != 0 && i == 0) || (sides & 2 != 0 && i == cells) || (sides & 4 != 0 && j == 0) || (sides & 8 != 0 && j == cells)
 }
 
-/// The morph weight of a vertex that is awake; `None` if it sleeps.
+/// The morph weight (see [`super::place`]) of a vertex that is awake; `None` if it sleeps.
 #[inline]
 pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) -> Option<f32> {
     let coarser = coarser_sides != 0 && on_sides(vertex.grid(), view.cells, coarser_sides);
@@ -61,11 +61,12 @@ pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) 
 
 /// Selects among the first `vertices.len()` vertices of a patch.
 pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) -> Selected {
-    let mut selected = Selected { awake: vec![0; vertices.len().div_ceil(32)], morph: Vec::with_capacity(vertices.len()) };
+    let mut selected = Selected { awake: vec![0; vertices.len().div_ceil(32)], places: Vec::with_capacity(vertices.len()) };
     for (k, vertex) in vertices.iter().enumerate() {
         let weight = morph_weight(view, vertex, coarser_sides);
         selected.awake[k / 32] |= u32::from(weight.is_some()) << (k % 32);
-        selected.morph.push(weight.unwrap_or(1.0));
+        let place = drawn_place(view, vertices, k as u32, weight.unwrap_or(0.0)).to_array();
+        selected.places.push(DrawnVertex { place, weight: weight.unwrap_or(1.0) });
     }
     selected
 }

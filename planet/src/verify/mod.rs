@@ -7,6 +7,7 @@ pub mod random_views;
 pub mod screen_error;
 pub mod surface_check;
 
+pub use crate::rays::{patch_surface, Ray};
 pub use error_readings::{ErrorReadings, Probe, Reading};
 pub use finest::{FinestSurface, GridCache};
 pub use random_views::RandomViews;
@@ -14,10 +15,10 @@ pub use screen_error::{measure, Drawn, Effort, ScreenError};
 pub use surface_check::{SurfaceCheck, SurfaceReport};
 
 use crate::lattice::Lattice;
-use crate::layout::PatchVertex;
-use crate::progressive::{covering, replay, IndexLevel, IndexLevels, PatchMesh};
+use crate::layout::{DrawnVertex, PatchVertex};
+use crate::progressive::{replay, IndexLevels, PatchMesh};
 use crate::reference::resolve::bit;
-use crate::wake::Wake;
+use crate::reference::work::{Reach, Work};
 
 /// A patch with everything the checks and the run time need.
 pub struct LoadedPatch {
@@ -27,27 +28,8 @@ pub struct LoadedPatch {
     pub vertices: Vec<PatchVertex>,
     /// Its triangle lists.
     pub lists: IndexLevels,
-    /// What decides which list a view needs.
+    /// What decides how much of it a view looks at.
     pub reach: Reach,
-}
-
-/// How far the vertices of a patch can be awake, and the triangle list for every prefix of them.
-#[derive(Clone, Debug)]
-pub struct Reach {
-    /// Larger wake of each vertex, falling.
-    wakes: Vec<Wake>,
-    levels: Vec<IndexLevel>,
-}
-
-impl Reach {
-    /// The coarsest triangle list that holds every vertex which can be awake for a viewer at least `distance` lattice units
-    /// away (selection distance) in a view of some reach.
-    pub fn level_for(&self, distance: f64, reach: f64) -> IndexLevel {
-        // A little nearer than true, for the rounding of f32 selection.
-        let least = distance * (1.0 - 1e-5) / reach;
-        let awake = self.wakes.partition_point(|w| w.distance() >= least);
-        covering(&self.levels, awake)
-    }
 }
 
 impl LoadedPatch {
@@ -55,14 +37,13 @@ impl LoadedPatch {
     pub fn new(mesh: PatchMesh, lattice: &Lattice) -> LoadedPatch {
         let vertices = PatchVertex::of_patch(&mesh, lattice);
         let lists = IndexLevels::new(&mesh);
-        let wakes = mesh.vertices.iter().map(|v| v.wake()).collect();
-        let reach = Reach { wakes, levels: lists.levels.clone() };
+        let reach = Reach::new(&vertices, mesh.cells, &lists);
         LoadedPatch { mesh, vertices, lists, reach }
     }
 
-    /// Triangles of one of its lists.
-    pub fn triangles(&self, level: IndexLevel) -> &[[u16; 3]] {
-        &self.lists.triangles[level.first as usize..(level.first + level.count) as usize]
+    /// The triangles that emission begins with.
+    pub fn triangles(&self, work: &Work) -> Vec<[u16; 3]> {
+        work.triangles.iter().flat_map(|run| &self.lists.triangles[run.start as usize..run.end as usize]).copied().collect()
     }
 }
 
@@ -85,13 +66,14 @@ impl Rings {
     }
 
     /// Number of pairs of an awake vertex and a member of its ring that is not in its own place: 0 when the awake set is closed.
-    /// `morph` holds the weights of a prefix, 1 for sleeping vertices; the others sleep.
-    pub fn violations(&self, awake: &[u32], morph: &[f32]) -> usize {
+    /// `awake` and `places` cover a prefix; the others sleep.
+    pub fn violations(&self, awake: &[u32], places: &[DrawnVertex]) -> usize {
+        let in_place = |r: u16| places.get(usize::from(r)).is_some_and(|drawn| drawn.weight == 0.0);
         let moved_in_ring = |v: usize| {
             let members = &self.members[self.start[v] as usize..self.start[v + 1] as usize];
-            members.iter().filter(|&&r| morph.get(usize::from(r)) != Some(&0.0)).count()
+            members.iter().filter(|&&r| !in_place(r)).count()
         };
-        let count = morph.len().min(self.start.len() - 1);
+        let count = places.len().min(self.start.len() - 1);
         (0..count).filter(|&v| bit(awake, v as u32)).map(moved_in_ring).sum()
     }
 }

@@ -13,7 +13,7 @@ use super::error_readings::{ErrorReadings, Probe, Reading};
 use super::finest::FinestSurface;
 use super::random_views::Random;
 use crate::lattice::LatticeBox;
-use crate::layout::PatchVertex;
+use crate::layout::{DrawnVertex, PatchVertex};
 use crate::patch::PatchId;
 use crate::rays::box_tree::BoxTree;
 use crate::rays::{PatchSurface, Ray};
@@ -48,8 +48,8 @@ pub struct Drawn<'a> {
     pub leaf: Leaf,
     /// All vertices in wake order.
     pub vertices: &'a [PatchVertex],
-    /// Morph weights of a prefix of them, 1 for sleeping ones; the others sleep.
-    pub morph: &'a [f32],
+    /// Where a prefix of them is drawn; the others sleep.
+    pub places: &'a [DrawnVertex],
     /// Triangles, as places in `vertices`.
     pub triangles: &'a [[u32; 3]],
 }
@@ -91,7 +91,7 @@ pub fn measure(
     finest: &FinestSurface,
     effort: Effort,
 ) -> Result<ScreenError, StoreError> {
-    let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.morph, d.triangles)).collect();
+    let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.places, d.triangles)).collect();
     let boxes: Vec<LatticeBox> = surfaces.iter().map(|surface| surface.bounds).collect();
     let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, node));
     let rim_sides = |d: &Drawn| sides_beside(&d.leaf, &|coarser| finest.ends_at(coarser)).into();
@@ -142,8 +142,8 @@ struct Judge<'a, 'f> {
 impl Judge<'_, '_> {
     /// Every vertex of a drawn patch that is not in its place: the finest surface has it, or one that deviates from it as it does there.
     fn sleepers(&self, k: usize) -> ScreenError {
-        let Drawn { vertices, morph, .. } = &self.drawn[k];
-        let away = |&v: &usize| morph.get(v) != Some(&0.0);
+        let Drawn { vertices, places, .. } = &self.drawn[k];
+        let away = |&v: &usize| places.get(v).is_none_or(|drawn| drawn.weight > 0.0);
         let places = (0..vertices.len()).filter(away).map(|v| IVec3::from_array(vertices[v].position));
         self.samples(k, Probe::Sleeper, places)
     }
@@ -217,9 +217,9 @@ impl Judge<'_, '_> {
 
     /// Whether a drawn triangle ends on a side beside missing data, or slides from there.
     fn is_at_rim(&self, hit: &Hit) -> bool {
-        let Drawn { vertices, morph, .. } = self.drawn[hit.k];
+        let Drawn { vertices, places, .. } = self.drawn[hit.k];
         let on_rim = |v: u32| on_sides(vertices[v as usize].grid(), self.tree.cells, self.rim_sides[hit.k]);
-        let from_rim = |v: u32| morph[v as usize] > 0.0 && on_rim(vertices[v as usize].parent());
+        let from_rim = |v: u32| places[v as usize].weight > 0.0 && on_rim(vertices[v as usize].parent());
         self.rim_sides[hit.k] != 0 && hit.triangle.is_none_or(|t| t.iter().any(|&v| on_rim(v) || from_rim(v)))
     }
 

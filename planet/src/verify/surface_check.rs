@@ -4,8 +4,7 @@
 //! one that has both in common.
 
 use crate::lattice::{determinant, orientation};
-use crate::layout::{FrameView, PatchVertex};
-use crate::reference::place::drawn_place;
+use crate::layout::{DrawnVertex, PatchVertex};
 use glam::IVec3;
 use std::collections::HashMap;
 
@@ -27,26 +26,21 @@ pub struct SurfaceReport {
 type Key = ([i32; 3], [u32; 3]);
 
 /// Collects the triangles of all patches of a surface.
+#[derive(Default)]
 pub struct SurfaceCheck {
-    view: FrameView,
     open_edges: HashMap<[Key; 2], i32>,
     edges: Vec<(u32, u32, i32)>,
     report: SurfaceReport,
 }
 
 impl SurfaceCheck {
-    /// A check of the surface as one view draws it.
-    pub fn new(view: &FrameView) -> SurfaceCheck {
-        SurfaceCheck { view: *view, open_edges: HashMap::new(), edges: Vec::new(), report: SurfaceReport::default() }
-    }
-
-    /// Adds the drawn triangles of one patch. `morph` holds the weights of as many vertices as triangles use.
-    pub fn add(&mut self, vertices: &[PatchVertex], morph: &[f32], triangles: &[[u32; 3]]) {
+    /// Adds the drawn triangles of one patch. `places` holds as many vertices as triangles use.
+    pub fn add(&mut self, vertices: &[PatchVertex], places: &[DrawnVertex], triangles: &[[u32; 3]]) {
         self.edges.clear();
         self.report.triangles += triangles.len();
         for &[a, b, c] in triangles {
-            let slides = [a, b, c].iter().any(|&v| morph[v as usize] > 0.0);
-            match drawn_orientation([a, b, c].map(|v| Slide::new(vertices, morph, v))) {
+            let slides = [a, b, c].iter().any(|&v| places[v as usize].weight > 0.0);
+            match drawn_orientation([a, b, c].map(|v| Slide::new(vertices, places, v))) {
                 0 if !slides => self.report.degenerate += 1,
                 -1 => self.report.flipped += 1,
                 _ => {}
@@ -57,8 +51,8 @@ impl SurfaceCheck {
         }
         self.edges.sort_unstable();
         let key = |v: u32| {
-            let place = drawn_place(&self.view, vertices, v, morph[v as usize]);
-            (vertices[v as usize].position, place.to_array().map(f32::to_bits))
+            let drawn = &places[v as usize];
+            (vertices[v as usize].position, drawn.place.map(f32::to_bits))
         };
         // Edges between two triangles of one patch cancel here; what is left is the patch's rim (or a fault).
         for run in self.edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
@@ -92,10 +86,10 @@ struct Slide {
 }
 
 impl Slide {
-    fn new(vertices: &[PatchVertex], morph: &[f32], v: u32) -> Slide {
+    fn new(vertices: &[PatchVertex], places: &[DrawnVertex], v: u32) -> Slide {
         let vertex = &vertices[v as usize];
         let parent = vertices[vertex.parent() as usize].position;
-        let weight = f64::from(morph[v as usize]);
+        let weight = f64::from(places[v as usize].weight);
         Slide { own: IVec3::from_array(vertex.position), parent: IVec3::from_array(parent), weight }
     }
 
@@ -132,6 +126,8 @@ fn drawn_orientation([a, b, c]: [Slide; 3]) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::layout::FrameView;
+    use crate::reference::place::drawn_place;
 
     fn tetrahedron() -> (Vec<PatchVertex>, Vec<[u32; 3]>) {
         let corners = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]];
@@ -139,9 +135,14 @@ mod tests {
         (vertices, vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     }
 
+    fn in_place(vertices: &[PatchVertex]) -> Vec<DrawnVertex> {
+        let place = |v: u32| drawn_place(&FrameView::default(), vertices, v, 0.0).to_array();
+        (0..vertices.len() as u32).map(|v| DrawnVertex { place: place(v), weight: 0.0 }).collect()
+    }
+
     fn report(vertices: &[PatchVertex], triangles: &[[u32; 3]]) -> SurfaceReport {
-        let mut check = SurfaceCheck::new(&FrameView::default());
-        check.add(vertices, &vec![0.0; vertices.len()], triangles);
+        let mut check = SurfaceCheck::default();
+        check.add(vertices, &in_place(vertices), triangles);
         check.finish()
     }
 
@@ -171,20 +172,27 @@ mod tests {
     #[test]
     fn equal_positions_join_different_patches() {
         let (vertices, triangles) = tetrahedron();
-        let mut check = SurfaceCheck::new(&FrameView::default());
-        check.add(&vertices, &[0.0; 4], &triangles[..2]);
+        let mut check = SurfaceCheck::default();
+        check.add(&vertices, &in_place(&vertices), &triangles[..2]);
         let mut reversed = vertices.clone();
         reversed.reverse();
-        check.add(&reversed, &[0.0; 4], &triangles[2..].iter().map(|t| t.map(|v| 3 - v)).collect::<Vec<_>>());
+        check.add(&reversed, &in_place(&reversed), &triangles[2..].iter().map(|t| t.map(|v| 3 - v)).collect::<Vec<_>>());
         assert_eq!(check.finish().cracks, 0);
+    }
+
+    /// Where vertices are drawn of which the last is on its way to the first.
+    fn places(vertices: &[PatchVertex], weight: f32) -> Vec<DrawnVertex> {
+        let weights = [0.0, 0.0, 0.0, weight];
+        let drawn = |v: usize| drawn_place(&FrameView::default(), vertices, v as u32, weights[v]).to_array();
+        (0..4).map(|v| DrawnVertex { place: drawn(v), weight: weights[v] }).collect()
     }
 
     /// Vertex 3 of the tetrahedron on its way to vertex 0, in two patches that may not agree about how far it is.
     fn sliding(weights: [f32; 2]) -> SurfaceReport {
         let (vertices, triangles) = tetrahedron();
-        let mut check = SurfaceCheck::new(&FrameView::default());
+        let mut check = SurfaceCheck::default();
         for (weight, half) in weights.into_iter().zip(triangles.chunks(2)) {
-            check.add(&vertices, &[0.0, 0.0, 0.0, weight], half);
+            check.add(&vertices, &places(&vertices, weight), half);
         }
         check.finish()
     }
@@ -204,8 +212,8 @@ mod tests {
         let (mut vertices, triangles) = tetrahedron();
         // Past the plane of the other side.
         vertices[0].position = [-3000; 3];
-        let mut check = SurfaceCheck::new(&FrameView::default());
-        check.add(&vertices, &[0.0, 0.0, 0.0, 0.5], &triangles);
+        let mut check = SurfaceCheck::default();
+        check.add(&vertices, &places(&vertices, 0.5), &triangles);
         assert!(check.finish().flipped > 0);
     }
 }

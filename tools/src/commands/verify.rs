@@ -104,7 +104,7 @@ fn summary(r: &VerifyReport, errors: &ScreenErrors, gpu: &GpuInfo, seconds: f64)
         "flipped_at_data_rim": r.faults_at_data_rim.flipped, "degenerate_at_data_rim": r.faults_at_data_rim.degenerate,
         "closure_violations_at_data_rim": r.faults_at_data_rim.closure_violations,
         "broken_hierarchies": r.broken_hierarchies, "dropped_triangles": r.dropped, "gpu_cpu_mismatches": m.total(),
-        "mismatches": { "patches": m.patches, "awake": m.awake, "morph": m.morph, "resolved": m.resolved, "triangles": m.triangles,
+        "mismatches": { "patches": m.patches, "awake": m.awake, "places": m.places, "resolved": m.resolved, "triangles": m.triangles,
             "culled_triangles": m.culled_triangles, "counters": m.counters },
         "tolerance_px": worst.map(|t| t.tolerance), "screen_error_px": worst.map(|t| percentiles(&t.error.readings)),
         "screen_errors": errors.by_tolerance.iter().map(tolerance).collect::<Vec<_>>(),

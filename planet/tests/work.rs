@@ -1,0 +1,80 @@
+//! What a view leaves out before it looks: nothing that would be drawn, and enough that the work follows what is drawn.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod common;
+#[path = "common/whole_planet.rs"]
+mod whole_planet;
+
+use common::TestField;
+use terrane_planet::reference::cut::{cut, is_visible, Leaf};
+use terrane_planet::reference::work::Work;
+use terrane_planet::reference::{
+    emit::emit,
+    resolve::resolve,
+    select::{select, Selected},
+};
+use terrane_planet::verify::LoadedPatch;
+use terrane_planet::view::View;
+use whole_planet::{planet, views, Planet};
+
+const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
+
+/// Awake vertices and triangles that a view draws of a patch, from what some work looks at. Triangles have no order.
+fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch, work: &Work) -> (usize, Vec<[u32; 3]>) {
+    let vertices = &patch.vertices[..work.vertices as usize];
+    let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+    let mut triangles = emit(&view.gpu, &patch.triangles(work), &resolve(vertices, &awake), &places);
+    triangles.sort_unstable();
+    (awake.iter().map(|word| word.count_ones() as usize).sum(), triangles)
+}
+
+/// All vertices, and all triangles of the full grid.
+fn everything(patch: &LoadedPatch) -> Work {
+    let (cells, vertices) = (patch.mesh.cells, patch.vertices.len() as u32);
+    Work { vertices, triangles: std::iter::once(0..2 * cells * cells).collect() }
+}
+
+/// Patches of all views whose drawn triangles are others when only what `looked_at` says is looked at.
+fn differing(planet: &Planet, views: &[View], looked_at: &dyn Fn(&View, &LoadedPatch) -> Work) -> usize {
+    let mut differing = 0;
+    for view in views {
+        for leaf in cut(&planet.tree, view, &|_| true).leaves {
+            let patch = &planet.patches[&leaf.id].0;
+            let work = looked_at(view, patch);
+            differing += usize::from(drawn(view, &leaf, patch, &work) != drawn(view, &leaf, patch, &everything(patch)));
+        }
+    }
+    differing
+}
+
+#[test]
+fn what_is_left_out_would_not_be_drawn() {
+    let planet = planet(&FIELD, 32);
+    let views = views(&planet, &FIELD, 30);
+    assert_eq!(differing(&planet, &views, &|view, patch| patch.reach.work(view)), 0);
+    let too_little = |view: &View, patch: &LoadedPatch| patch.reach.work(&View { reach: 0.7 * view.reach, ..*view });
+    assert!(differing(&planet, &views[..6], &too_little) > 0, "the comparison cannot fail");
+}
+
+#[test]
+fn the_work_follows_what_is_drawn() {
+    let planet = planet(&FIELD, 16);
+    let [mut awake, mut prefix, mut kept, mut processed, mut divided] = [0; 5];
+    for view in views(&planet, &FIELD, 40) {
+        for leaf in cut(&planet.tree, &view, &|_| true).leaves {
+            if is_visible(&planet.tree, &view, planet.tree.get(leaf.id).unwrap()) {
+                let patch = &planet.patches[&leaf.id].0;
+                let work = patch.reach.work(&view);
+                let (vertices, triangles) = drawn(&view, &leaf, patch, &work);
+                awake += vertices;
+                kept += triangles.len();
+                prefix += work.vertices as usize;
+                processed += work.triangle_count() as usize;
+                divided += usize::from(work.triangles.len() > 1);
+            }
+        }
+    }
+    assert!(prefix <= 2 * awake && processed <= 2 * kept, "{prefix} for {awake} vertices, {processed} for {kept} triangles");
+    assert!(divided > 0, "no patch used more than one level");
+}
