@@ -4,6 +4,7 @@
 
 mod extremes;
 mod harness;
+mod history;
 mod layout;
 mod on_demand;
 mod overflow;

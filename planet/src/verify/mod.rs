@@ -11,7 +11,7 @@ pub use crate::rays::{patch_surface, Ray};
 pub use error_readings::{ErrorReadings, Probe, Reading};
 pub use finest::{FinestSurface, GridCache};
 pub use random_views::RandomViews;
-pub use screen_error::{measure, Drawn, Effort, ScreenError};
+pub use screen_error::{is_in_view, measure, Drawn, Effort, ScreenError};
 pub use surface_check::{SurfaceCheck, SurfaceReport};
 
 use crate::lattice::Lattice;
