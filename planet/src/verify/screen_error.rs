@@ -9,14 +9,14 @@
 //! their distance over that of the nearer one to the camera is the error, in radians and then in pixels of the
 //! picture's middle.
 
-use super::box_tree::{BoxTree, Ray};
 use super::error_readings::{ErrorReadings, Probe, Reading};
 use super::finest::FinestSurface;
-use super::patch_surface::PatchSurface;
 use super::random_views::Random;
 use crate::lattice::LatticeBox;
 use crate::layout::{DrawnVertex, PatchVertex};
 use crate::patch::PatchId;
+use crate::rays::box_tree::BoxTree;
+use crate::rays::{PatchSurface, Ray};
 use crate::reference::cut::{is_visible, sides_beside, Leaf};
 use crate::reference::select::on_sides;
 use crate::store::StoreError;
