@@ -13,6 +13,8 @@ pub mod layout;
 pub mod patch;
 pub mod planet;
 pub mod progressive;
+pub mod query;
+pub mod rays;
 pub mod recipe;
 pub mod reference;
 pub mod simplify;

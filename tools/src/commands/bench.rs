@@ -1,23 +1,21 @@
 //! `terrane bench`: what the frames of a camera path cost.
 
+use super::paths::load_path;
 use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
 use hdrhistogram::Histogram;
 use serde_json::{json, Value};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use terrane::frame::STAGES;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
 use terrane::vulkan::GpuInfo;
-use terrane_planet::camera_path::{CameraPath, Keyframe};
+use terrane_planet::camera_path::Keyframe;
 use terrane_planet::sphere::direction_at;
 use terrane_planet::view::{View, TOLERANCE_RANGE};
-
-/// Paths that come with the command.
-const BUILT_IN: [(&str, &str); 1] = [("descent", include_str!("../../paths/descent.json"))];
 
 /// Longest time that histograms hold, in microseconds; longer ones count as this.
 const LONGEST_US: u64 = 600_000_000;
@@ -31,7 +29,7 @@ const LONGEST_US: u64 = 600_000_000;
 pub(crate) struct Bench {
     /// Planet file.
     file: PathBuf,
-    /// Keyframes: a JSON file, or `descent`, which comes with the command.
+    /// Keyframes: a JSON file, or `descent` or `flyover`, which come with the command.
     #[arg(long, value_name = "PATH.json|NAME")]
     path: PathBuf,
     /// Frames to measure.
@@ -115,21 +113,6 @@ impl Bench {
             "rows": rows.iter().map(|(stand, cost)| row(stand, cost)).collect::<Vec<_>>(),
         })
     }
-}
-
-/// The path of a file, or the built-in one of that name.
-fn load_path(path: &Path) -> anyhow::Result<CameraPath> {
-    let built_in = BUILT_IN.iter().find(|(name, _)| path.as_os_str() == *name);
-    let text = match built_in {
-        Some((_, text)) => (*text).to_owned(),
-        None => std::fs::read_to_string(path).with_context(|| {
-            let names = BUILT_IN.map(|(name, _)| name).join(", ");
-            format!("cannot read the camera path {} (built-in paths: {names})", path.display())
-        })?,
-    };
-    let keyframes: Vec<Keyframe> =
-        serde_json::from_str(&text).with_context(|| format!("{}: not a list of keyframes", path.display()))?;
-    CameraPath::new(&keyframes).with_context(|| format!("{}: not a camera path", path.display()))
 }
 
 fn row(stand: &Keyframe, c: &FrameCost) -> Value {
