@@ -48,6 +48,7 @@ pub(super) struct Flight {
     look: Look,
     tolerance: f64,
     geomorphs: bool,
+    orientation: bool,
     /// Of the latest frame; while frozen, of the frame that stays.
     tables: Option<FrameTables>,
     selection: Selection,
@@ -79,6 +80,7 @@ impl Flight {
             look: options.look,
             tolerance: options.tolerance,
             geomorphs: options.geomorphs,
+            orientation: options.orientation,
             tables: None,
             selection: Selection::Follows,
             uploads: UPLOADS_PER_FRAME.0,
@@ -168,6 +170,7 @@ impl Flight {
         let camera = self.viewer.pose.camera(&self.viewer.lens);
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
         let view = if self.geomorphs { view } else { view.without_geomorphs() };
+        let view = if self.orientation { view.with_orientation(self.scene.planet().ground_radius()) } else { view };
         if let (Selection::Frozen, Some(tables)) = (self.selection, &self.tables) {
             self.renderer.prepare_again(&self.scene, &view, tables, &self.look)?;
             return Ok(self.renderer.record_again(commands, &self.scene, tables)?);
