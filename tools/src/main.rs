@@ -4,6 +4,7 @@
 
 mod commands;
 mod study;
+mod svg;
 
 use clap::Parser;
 use std::io::IsTerminal;

@@ -35,6 +35,7 @@ commands! {
     bench => Bench,
     fly => Fly,
     gpus => Gpus,
+    growth => Growth,
     info => Info,
     mesh => Mesh,
     shot => Shot,
