@@ -59,8 +59,7 @@ void main() {
 
     vec3 view_direction = view_ray(in_uv);
     vec3 ray = normalize(view_direction);
-    vec3 camera_up = normalize(light.camera);
-    float t = distance_to_sea(dot(ray, camera_up));
+    float t = distance_to_sea(ray);
     if (t < 0.0) return;
 
     vec3 place = light.camera + ray * t;

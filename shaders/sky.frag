@@ -25,17 +25,16 @@ void main() {
     vec3 direction = view_ray(in_uv);
     float stretch = length(direction);
     vec3 ray = direction / stretch;
-    float cosine = dot(ray, normalize(light.camera));
     float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
     float end = stored > 0.0 ? view.near / stored * stretch : 1e30;
     // The sea lies in front where the ground is under water, or where there is no ground at all.
     bool water = stored <= 0.0 || texelFetch(ground, ivec2(gl_FragCoord.xy), 0).a < 0.0;
-    float sea = water ? distance_to_sea(cosine) : -1.0;
+    float sea = water ? distance_to_sea(ray) : -1.0;
     if (sea > 0.0) end = sea;
     bool empty = end >= 1e29;
     vec3 color = empty ? sun_disc(ray) : ground_color.rgb;
     if (has_air()) {
-        vec2 shell = through_shell(cosine, light.air_top);
+        vec2 shell = through_shell(ray, light.air_top);
         float from = max(shell.x, 0.0);
         float to = min(shell.y, end);
         if (shell.x < shell.y && from < to) {

@@ -103,6 +103,16 @@ impl Headless {
         })
     }
 
+    /// Radiance of the latest picture before it is mapped to the display: four numbers a pixel, row by row.
+    pub fn radiance(&self) -> Result<Vec<f32>, SceneError> {
+        Ok(capture(&self.context, &self.renderer.targets.scene, (0, 0), Access::Sampled)?.to_f32()?)
+    }
+
+    /// Where the latest picture shows ground: its depth (near plane over distance), 0 where there is none, row by row.
+    pub fn depth(&self) -> Result<Vec<f32>, SceneError> {
+        Ok(capture(&self.context, &self.renderer.targets.depth, (0, 0), Access::Sampled)?.to_f32()?)
+    }
+
     /// The latest picture, four bytes a pixel, row by row.
     pub fn pixels(&self) -> Result<Vec<u8>, SceneError> {
         Ok(capture(&self.context, &self.picture, (0, 0), Access::ColorTarget)?.to_rgba8()?)

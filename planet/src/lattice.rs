@@ -31,6 +31,11 @@ impl Lattice {
         Lattice { unit, radius: radius / unit }
     }
 
+    /// Mean distance in units of neighbouring samples of a level's patches, of `cells` cells a side.
+    pub fn sample_spacing(&self, cells: u32, level: u8) -> f64 {
+        std::f64::consts::FRAC_PI_2 * self.radius / f64::from(cells) / f64::from(1u32 << level)
+    }
+
     /// A height in metres as whole units.
     #[inline(always)]
     pub fn quantise_height(&self, height: f64) -> i32 {

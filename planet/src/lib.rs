@@ -14,6 +14,8 @@ pub mod orientation;
 pub mod patch;
 pub mod planet;
 pub mod progressive;
+pub mod query;
+pub mod rays;
 pub mod recipe;
 pub mod reference;
 pub mod simplify;

@@ -108,8 +108,7 @@ impl Planet {
 
     /// The coarsest level whose samples stand at most so many metres apart on average, or the finest there is.
     pub fn level_of_spacing(&self, metres: f64) -> u8 {
-        let spacing =
-            |level: u8| std::f64::consts::FRAC_PI_2 * self.recipe.radius / f64::from(self.cells) / f64::from(1u32 << level);
+        let spacing = |level: u8| self.lattice.sample_spacing(self.cells, level) * self.lattice.unit;
         (0..MAX_LEVEL).find(|&level| spacing(level) <= metres).unwrap_or(MAX_LEVEL)
     }
 

@@ -124,11 +124,22 @@ impl Face {
         Face::of_axis(axis, direction[axis] >= 0.0)
     }
 
-    /// The face's cube coordinates (in [-1, 1] inside the face) of a direction in the face's half space.
-    pub fn coordinates(self, direction: DVec3) -> (f64, f64) {
+    /// Unit vector to the face's outside.
+    pub fn normal(self) -> DVec3 {
+        DVec3::AXES[self.normal_axis()] * f64::from(self.sign())
+    }
+
+    /// The face's warped coordinates (in [-1, 1] inside the face) of a direction in the face's half space.
+    pub fn project(self, direction: DVec3) -> (f64, f64) {
         let (u, v) = self.grid_axes();
         let w = direction[self.normal_axis()].abs();
-        (unwarp(direction[u] / w), unwarp(direction[v] / w))
+        (direction[u] / w, direction[v] / w)
+    }
+
+    /// The face's cube coordinates (in [-1, 1] inside the face) of a direction in the face's half space.
+    pub fn coordinates(self, direction: DVec3) -> (f64, f64) {
+        let (u, v) = self.project(direction);
+        (unwarp(u), unwarp(v))
     }
 }
 
@@ -151,7 +162,7 @@ mod tests {
         for face in Face::ALL {
             let (u, v) = face.grid_axes();
             let cross = DVec3::AXES[u].cross(DVec3::AXES[v]);
-            assert_eq!(cross, DVec3::AXES[face.normal_axis()] * f64::from(face.sign()));
+            assert_eq!(cross, face.normal());
         }
     }
 

@@ -133,6 +133,6 @@ impl PatchTree {
 
     /// Mean size of a texel of a level's textures, in lattice units.
     pub fn texel_size(&self, level: u8) -> f64 {
-        std::f64::consts::FRAC_PI_2 * self.lattice.radius / (2.0 * f64::from(self.cells)) / f64::from(1u32 << level)
+        self.lattice.sample_spacing(2 * self.cells, level)
     }
 }

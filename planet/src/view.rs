@@ -17,6 +17,9 @@ const ORIENTATION_SHARE: f64 = 0.25;
 /// Steepest orientation term: rounding in single precision grows with it (see [`crate::wake::PROPAGATION_MARGIN`]).
 const STEEPEST: f64 = 4.0;
 
+/// Near plane in metres: nearer than any ground in view. Reversed floating-point depth is as precise with a small one as with a large one.
+pub const NEAR: f32 = 0.1;
+
 /// Least and most tolerance in pixels that a view accepts.
 pub const TOLERANCE_RANGE: (f64, f64) = (0.05, 64.0);
 
@@ -108,7 +111,6 @@ impl View {
         let limit = f64::from(EXTENT - 1);
         let anchor: IVec3 = eye.round().clamp(DVec3::splat(-limit), DVec3::splat(limit)).as_ivec3();
         let offset = (eye - anchor.as_dvec3()).as_vec3();
-        let near = near_plane(&camera, lattice);
         let gpu = FrameView {
             anchor: anchor.to_array(),
             culling: crate::layout::CULL_FRUSTUM | crate::layout::CULL_BACK,
@@ -124,8 +126,8 @@ impl View {
             cells,
             shift: [0.0; 3],
             unit: lattice.unit as f32,
-            near,
-            clip: clip_matrix(&camera, near).to_cols_array_2d(),
+            near: NEAR,
+            clip: clip_matrix(&camera, NEAR).to_cols_array_2d(),
         };
         View { camera, eye, tolerance, scale, reach, falloff, planes, orientation: None, horizon: true, gpu }
     }
@@ -182,12 +184,6 @@ fn frustum(camera: &Camera) -> [DVec3; 5] {
     [side(-right, h), side(right, h), side(-up, v), side(up, v), -forward]
 }
 
-/// The near plane only has to be nearer than any ground in view: half a metre, or a share of the altitude when high up.
-fn near_plane(camera: &Camera, lattice: &Lattice) -> f32 {
-    let altitude = camera.position.length() - lattice.radius * lattice.unit;
-    (altitude * 1e-4).clamp(0.1, 1e4) as f32
-}
-
 /// Reversed-Z projection with an infinite far plane: depth is near / distance. Y points down in clip space.
 fn clip_matrix(camera: &Camera, near: f32) -> Mat4 {
     let (h, v) = camera.half_extents();
@@ -221,6 +217,17 @@ mod tests {
         assert!((ahead.z - view.gpu.near).abs() < 1e-6);
         let above = clip * (view.camera.forward * 50.0 + view.camera.up * 5.0).as_vec3().extend(1.0);
         assert!(above.y < 0.0, "up is towards smaller y in Vulkan's clip space");
+    }
+
+    #[test]
+    fn high_mountains_do_not_clip_the_ground_underfoot() {
+        let lattice = Lattice::new(6.371e6, 3e4);
+        for height in [0.0, 2.9e4] {
+            let camera = Camera::looking(DVec3::new(0.0, 6.371e6 + height + 2.0, 0.0), 0.0, -90.0, 1.0, [1280, 720]);
+            let view = View::new(camera, &lattice, 128, 1.0);
+            let foot = Mat4::from_cols_array_2d(&view.gpu.clip) * (camera.forward.as_vec3() * 2.0).extend(1.0);
+            assert!(foot.z / foot.w < 0.1, "depth {} of 1 on a mountain of {height} m", foot.z / foot.w);
+        }
     }
 
     #[test]

@@ -11,7 +11,7 @@ use common::TestField;
 use glam::{DQuat, DVec3};
 use std::collections::{HashMap, HashSet};
 use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::{cut, distance_to_box, is_visible, Leaf};
+use terrane_planet::reference::cut::{cut, is_visible, Leaf};
 use terrane_planet::reference::place::exact_place;
 use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
 use terrane_planet::verify::patch_surface::PatchSurface;
@@ -70,11 +70,11 @@ impl Frame {
 
 fn drawn(planet: &Planet, view: &View, leaf: &Leaf) -> DrawnPatch {
     let (patch, _) = &planet.patches[&leaf.id];
-    let level = patch.reach.level_for(distance_to_box(view, &patch.mesh.bounds), view.reach);
-    let vertices = &patch.vertices[..level.vertices as usize];
+    let work = patch.reach.work(view);
+    let vertices = &patch.vertices[..work.vertices as usize];
     let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
     let resolved = resolve(vertices, &selected.awake);
-    let triangles = emit(&view.gpu, patch.triangles(level), &resolved, &selected.places);
+    let triangles = emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.places);
     let place = |v: u32| exact_place(vertices, v, selected.places[v as usize].weight);
     let corners: HashSet<u32> = triangles.iter().flatten().copied().collect();
     let mut places: Vec<DVec3> = corners.into_iter().map(place).collect();

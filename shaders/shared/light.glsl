@@ -18,9 +18,13 @@ const float MULTIPLE = 0.06;
 
 bool has_air() { return light.scale_height > 0.0; }
 
+// Whether the camera is so far away that the squares of its distance and of the planet's radius cannot be compared.
+bool is_afar() { return light.altitude > light.radius; }
+
 // Height above the datum of the point at distance t along a ray from the camera. Differences of squares would lose the
 // metres that matter near the ground.
-float height_along(float cosine, float t) {
+float height_along(vec3 ray, float cosine, float t) {
+    if (is_afar()) return length(light.camera + ray * t) - light.radius;
     float r = light.radius + light.altitude;
     float root = sqrt(r * r + 2.0 * r * t * cosine + t * t);
     return light.altitude + t * (2.0 * r * cosine + t) / (root + r);
@@ -66,12 +70,18 @@ vec3 skylight(float c) {
 }
 
 // Where a ray from the camera enters and leaves the ball of a radius `above` metres over the datum; x > y if it misses.
-vec2 through_shell(float cosine, float above) {
+vec2 through_shell(vec3 ray, float above) {
     float r = light.radius + light.altitude;
-    float b = r * cosine;
-    // r² - (radius + above)², without the cancellation.
-    float c = (light.altitude - above) * (r + light.radius + above);
+    float shell = light.radius + above;
+    float b = dot(ray, normalize(light.camera)) * r;
+    // r² - shell², without the cancellation.
+    float c = (light.altitude - above) * (r + shell);
     float discriminant = b * b - c;
+    if (is_afar()) {
+        // By how much the ray passes beside the centre.
+        float aside = length(cross(light.camera, ray));
+        discriminant = (shell - aside) * (shell + aside);
+    }
     if (discriminant < 0.0) return vec2(1.0, -1.0);
     float root = sqrt(discriminant);
     float q = b > 0.0 ? -b - root : -b + root;
@@ -80,9 +90,9 @@ vec2 through_shell(float cosine, float above) {
 }
 
 // Distance to the sea along a view ray; negative if it does not meet the sea's surface from above.
-float distance_to_sea(float cosine) {
+float distance_to_sea(vec3 ray) {
     if (light.sea_level <= NO_SEA || light.altitude <= light.sea_level) return -1.0;
-    vec2 hits = through_shell(cosine, light.sea_level);
+    vec2 hits = through_shell(ray, light.sea_level);
     return hits.x < hits.y && hits.y > 0.0 ? hits.x : -1.0;
 }
 
@@ -114,7 +124,7 @@ void march(vec3 ray, float from, float to, out vec3 scattered, out vec3 transmit
         float t = 0.5 * (before + after);
         float length_step = after - before;
         before = after;
-        float height = max(height_along(cosine, t), 0.0);
+        float height = max(height_along(ray, cosine, t), 0.0);
         vec2 density = exp(-height / vec2(light.scale_height, light.mie_scale_height)) * length_step;
         vec3 place = light.camera + ray * t;
         float c = dot(normalize(place), light.sun);

@@ -2,6 +2,7 @@
 
 use super::keys::{next_mode, Command};
 use super::overlay::{Overlay, Status};
+use super::surface::DrawnSurface;
 use super::viewer::Viewer;
 use super::{AppError, FlyOptions, SaveScreenshot};
 use crate::frame::{FrameTables, Look, Overlay as OverlayStage, Renderer};
@@ -132,9 +133,9 @@ impl Flight {
         let (width, height) = frame.target.size();
         self.viewer.lens.size = [width, height];
         self.renderer.resize((width, height))?;
-        self.step();
+        let seconds = self.pass_time();
         let commands = &mut frame.commands;
-        self.record_mesh(commands)?;
+        self.record_mesh(commands, seconds)?;
         commands.transition(&frame.target, Access::Undefined, Access::ColorTarget)?;
         self.renderer.record_picture(commands, &self.scene, &self.look, &frame.target)?;
         commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
@@ -150,8 +151,8 @@ impl Flight {
         Ok(true)
     }
 
-    /// Moves the viewer on to now.
-    fn step(&mut self) {
+    /// Counts a frame. Returns the seconds by which it moves the viewer on.
+    fn pass_time(&mut self) -> f64 {
         let now = Instant::now();
         let seconds = now.duration_since(std::mem::replace(&mut self.latest, now)).as_secs_f64();
         if self.begun.is_some() {
@@ -161,23 +162,26 @@ impl Flight {
             self.begun = Some(now);
         }
         self.uploads = ((seconds * UPLOADS_PER_SECOND) as usize).clamp(UPLOADS_PER_FRAME.0, UPLOADS_PER_FRAME.1);
-        self.viewer.step(seconds.min(LONGEST_FRAME), self.scene.planet());
+        seconds.min(LONGEST_FRAME)
     }
 
-    /// Selects and emits what the viewer sees; while frozen, what was emitted last is only seen from elsewhere. The scene is not
-    /// updated then, so that all its patches stay.
-    fn record_mesh(&mut self, commands: &mut Commands) -> Result<(), AppError> {
-        let camera = self.viewer.pose.camera(&self.viewer.lens);
-        let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
-        let view = if self.geomorphs { view } else { view.without_geomorphs() };
-        let view = if self.orientation { view.with_orientation(self.scene.planet().ground_radius()) } else { view };
+    /// Moves the viewer on, selects and emits what they see; while frozen, what was emitted last is only seen from elsewhere. The scene
+    /// is not updated then, so that all its patches stay.
+    fn record_mesh(&mut self, commands: &mut Commands, seconds: f64) -> Result<(), AppError> {
         if let (Selection::Frozen, Some(tables)) = (self.selection, &self.tables) {
-            self.renderer.prepare_again(&self.scene, &view, tables, &self.look)?;
+            self.viewer.step(seconds, &DrawnSurface::of_scene(&self.scene));
+            self.renderer.prepare_again(&self.scene, &self.view(), tables, &self.look)?;
             return Ok(self.renderer.record_again(commands, &self.scene, tables)?);
         }
-        let cut = self.scene.stream(&view, self.uploads, commands)?;
+        self.scene.receive(self.uploads, commands)?;
+        self.viewer.step(seconds, &DrawnSurface::of_scene(&self.scene));
+        let mut cut = self.scene.choose(&self.view());
+        // The cut may draw other ground below the viewer than the one before, which they were kept above.
+        if self.viewer.rise(&DrawnSurface::of_scene(&self.scene)) {
+            cut = self.scene.choose(&self.view());
+        }
         let freezes = self.selection == Selection::Freezes;
-        let view = if freezes { view.without_culling() } else { view };
+        let view = if freezes { self.view().without_culling() } else { self.view() };
         let tables = self.renderer.prepare(&self.scene, &view, &cut, &self.look, freezes)?;
         self.renderer.record_mesh(commands, &self.scene, &tables)?;
         if freezes {
@@ -187,9 +191,20 @@ impl Flight {
         Ok(())
     }
 
+    fn view(&self) -> View {
+        let camera = self.viewer.pose.camera(&self.viewer.lens);
+        let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
+        let view = if self.geomorphs { view } else { view.without_geomorphs() };
+        if self.orientation {
+            view.with_orientation(self.scene.planet().ground_radius())
+        } else {
+            view
+        }
+    }
+
     fn text(&mut self) -> String {
         let status = Status {
-            height: self.viewer.height(self.scene.planet()),
+            height: self.viewer.height(&DrawnSurface::of_scene(&self.scene)),
             counters: self.counters,
             patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
             device: &self.context.device_info().name,

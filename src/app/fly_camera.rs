@@ -1,6 +1,7 @@
 //! Free flight: as fast as the viewer is high, smooth, and never into the ground.
 
-use super::pose::{Pose, Surface};
+use super::pose::Pose;
+use super::surface::Surface;
 use glam::DVec3;
 
 /// Metres per second for each metre above the surface.
@@ -25,7 +26,7 @@ pub(super) struct FlyCamera {
 
 impl FlyCamera {
     /// Moves the viewer for `seconds`. `wish` says where to: right, up and ahead, each from -1 to 1.
-    pub(super) fn step(&mut self, pose: &mut Pose, wish: DVec3, hurry: bool, seconds: f64, surface: Surface<'_>) {
+    pub(super) fn step(&mut self, pose: &mut Pose, wish: DVec3, hurry: bool, seconds: f64, surface: &dyn Surface) {
         let wish = wish.clamp_length_max(1.0) * if hurry { HURRY } else { 1.0 };
         if wish == DVec3::ZERO && self.pace.length() < STILL {
             self.pace = DVec3::ZERO;
@@ -48,14 +49,14 @@ impl FlyCamera {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pose::tests::{ball, pose};
+    use super::super::pose::tests::{pose, Ball};
     use super::super::pose::LEAST_HEIGHT;
     use super::*;
 
     fn flown(steps: usize, wish: DVec3) -> Pose {
         let mut viewer = pose(5000.0, 30.0, -10.0);
         let mut camera = FlyCamera::default();
-        (0..steps).for_each(|_| camera.step(&mut viewer, wish, false, 2.0 / steps as f64, &ball));
+        (0..steps).for_each(|_| camera.step(&mut viewer, wish, false, 2.0 / steps as f64, &Ball));
         viewer
     }
 
@@ -72,10 +73,10 @@ mod tests {
         let mut viewer = pose(50.0, 0.0, -60.0);
         let mut camera = FlyCamera::default();
         for _ in 0..100 {
-            camera.step(&mut viewer, DVec3::Z, true, 0.2, &ball);
-            assert!(viewer.height(&ball) >= LEAST_HEIGHT - 1e-6);
+            camera.step(&mut viewer, DVec3::Z, true, 0.2, &Ball);
+            assert!(viewer.height(&Ball) >= LEAST_HEIGHT - 1e-6);
         }
-        assert!((viewer.height(&ball) - LEAST_HEIGHT).abs() < 1e-6);
+        assert!((viewer.height(&Ball) - LEAST_HEIGHT).abs() < 1e-6);
     }
 
     #[test]

@@ -9,6 +9,7 @@ mod keys;
 mod orbit_camera;
 mod overlay;
 mod pose;
+mod surface;
 mod viewer;
 
 pub use keys::HELP;
@@ -21,6 +22,7 @@ use keys::Command;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
+use surface::DrawnSurface;
 use terrane_planet::view::Camera;
 use thiserror::Error;
 use viewer::Button;
@@ -168,16 +170,16 @@ impl App {
 
     fn mouse(&mut self, event: &WindowEvent) {
         let Some(flight) = &mut self.flight else { return };
-        let planet = flight.scene.planet();
+        let surface = &DrawnSurface::of_scene(&flight.scene);
         match event {
-            WindowEvent::CursorMoved { position, .. } => flight.viewer.point([position.x, position.y], planet),
+            WindowEvent::CursorMoved { position, .. } => flight.viewer.point([position.x, position.y], surface),
             WindowEvent::MouseInput { state, button, .. } => {
                 let button = match button {
                     MouseButton::Left => Button::Left,
                     MouseButton::Right | MouseButton::Middle => Button::Right,
                     _ => return,
                 };
-                flight.viewer.press(button, *state == ElementState::Pressed, planet);
+                flight.viewer.press(button, *state == ElementState::Pressed, surface);
             }
             WindowEvent::MouseWheel { delta, .. } => flight.viewer.wheel(match delta {
                 MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),

@@ -1,7 +1,8 @@
 //! The orbit camera: the ground stays under the cursor that drags it, the wheel zooms towards it, and the view tilts towards the
 //! horizon on the way down.
 
-use super::pose::{meet_sphere, Lens, Pose, Surface};
+use super::pose::{meet_sphere, Lens, Pose};
+use super::surface::Surface;
 use glam::DVec3;
 
 /// How much of the way down or up one notch of the wheel goes, as a logarithm of height.
@@ -36,7 +37,7 @@ struct Grip {
 
 impl OrbitCamera {
     /// Takes hold of the ground at a pixel.
-    pub(super) fn press(&mut self, pose: &Pose, lens: &Lens, pixel: [f64; 2], surface: Surface<'_>) {
+    pub(super) fn press(&mut self, pose: &Pose, lens: &Lens, pixel: [f64; 2], surface: &dyn Surface) {
         self.grip = Grip::at(pose, lens, pixel, surface);
     }
 
@@ -46,7 +47,7 @@ impl OrbitCamera {
     }
 
     /// Brings the ground that is held to a pixel.
-    pub(super) fn drag(&self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], surface: Surface<'_>) {
+    pub(super) fn drag(&self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], surface: &dyn Surface) {
         if let Some(grip) = self.grip {
             grip.bring_to(pose, lens, pixel);
             pose.keep_above(surface);
@@ -59,7 +60,7 @@ impl OrbitCamera {
     }
 
     /// Does the part of the outstanding zoom that is due after `seconds`, keeping the ground at `pixel` where it is.
-    pub(super) fn step(&mut self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], seconds: f64, surface: Surface<'_>) {
+    pub(super) fn step(&mut self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], seconds: f64, surface: &dyn Surface) {
         if self.zoom.abs() < ZOOM_DONE {
             self.zoom = 0.0;
             return;
@@ -67,7 +68,7 @@ impl OrbitCamera {
         let part = self.zoom * (1.0 - (-ZOOM_RATE * seconds).exp());
         self.zoom -= part;
         let grip = Grip::at(pose, lens, pixel, surface);
-        let radius = surface(pose.up());
+        let radius = surface.radius(pose.up());
         let old = pose.height(surface);
         let new = (old * part.exp()).min(HIGHEST * radius);
         pose.set_height(new, surface);
@@ -85,13 +86,15 @@ impl OrbitCamera {
 }
 
 impl Grip {
-    fn at(pose: &Pose, lens: &Lens, pixel: [f64; 2], surface: Surface<'_>) -> Option<Grip> {
+    fn at(pose: &Pose, lens: &Lens, pixel: [f64; 2], surface: &dyn Surface) -> Option<Grip> {
         let ray = pose.ray(lens, pixel);
-        let meet = |radius: f64| meet_sphere(pose.position, ray, radius).map(|direction| Grip { direction, radius });
-        let first = meet(surface(pose.up()))?;
-        // Once more at the height of the ground there, where that is below the viewer.
-        let radius = surface(first.direction);
-        meet(radius).or(Some(first))
+        let met = surface.meet(pose.position, ray).filter(|place| place.length() < pose.position.length());
+        if let Some(place) = met {
+            return Some(Grip { direction: place.normalize(), radius: place.length() });
+        }
+        // The limb beside the planet, and slopes above the viewer: a sphere as high as what is below them.
+        let radius = surface.radius(pose.up());
+        meet_sphere(pose.position, ray, radius).map(|direction| Grip { direction, radius })
     }
 
     /// Swings the viewer so that this ground appears at a pixel; near the limb, where a pixel is a long way, only some of it.
@@ -114,7 +117,7 @@ fn resting_pitch(height: f64, radius: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::pose::tests::{ball, pose, LENS, RADIUS};
+    use super::super::pose::tests::{pose, Ball, LENS, RADIUS};
     use super::*;
 
     #[test]
@@ -122,12 +125,12 @@ mod tests {
         for (height, pitch) in [(2e7, -90.0), (3e5, -50.0), (500.0, -30.0)] {
             let mut viewer = pose(height, 30.0, pitch);
             let mut camera = OrbitCamera::default();
-            camera.press(&viewer, &LENS, [300.0, 350.0], &ball);
+            camera.press(&viewer, &LENS, [300.0, 350.0], &Ball);
             let held = camera.grip.unwrap().direction;
-            camera.drag(&mut viewer, &LENS, [420.0, 400.0], &ball);
+            camera.drag(&mut viewer, &LENS, [420.0, 400.0], &Ball);
             let seen = meet_sphere(viewer.position, viewer.ray(&LENS, [420.0, 400.0]), RADIUS).unwrap();
             assert!(held.distance(seen) * RADIUS < 1e-6 * height, "{height}: {}", held.distance(seen) * RADIUS);
-            assert!((viewer.height(&ball) - height).abs() < 1e-6 * height);
+            assert!((viewer.height(&Ball) - height).abs() < 1e-6 * height);
         }
     }
 
@@ -137,12 +140,12 @@ mod tests {
             let mut viewer = pose(1e6, 0.0, -70.0);
             let mut camera = OrbitCamera::default();
             camera.wheel(2.0 / ZOOM_PER_NOTCH);
-            (0..steps).for_each(|_| camera.step(&mut viewer, &LENS, [400.0, 300.0], 1.0 / steps as f64, &ball));
+            (0..steps).for_each(|_| camera.step(&mut viewer, &LENS, [400.0, 300.0], 1.0 / steps as f64, &Ball));
             viewer
         };
         let (fast, slow) = (zoomed(240), zoomed(15));
-        assert!((fast.height(&ball) / slow.height(&ball) - 1.0).abs() < 1e-6);
-        assert!((fast.height(&ball) / (1e6 * (-2.0f64).exp()) - 1.0).abs() < 1e-3);
+        assert!((fast.height(&Ball) / slow.height(&Ball) - 1.0).abs() < 1e-6);
+        assert!((fast.height(&Ball) / (1e6 * (-2.0f64).exp()) - 1.0).abs() < 1e-3);
         assert!((fast.pitch - slow.pitch).abs() < 0.02);
     }
 
@@ -151,8 +154,8 @@ mod tests {
         let mut viewer = pose(2e7, 0.0, -90.0);
         let mut camera = OrbitCamera::default();
         camera.wheel(300.0);
-        (0..600).for_each(|_| camera.step(&mut viewer, &LENS, [410.0, 290.0], 0.05, &ball));
-        assert!((viewer.height(&ball) - 2.0).abs() < 1e-6, "{}", viewer.height(&ball));
+        (0..600).for_each(|_| camera.step(&mut viewer, &LENS, [410.0, 290.0], 0.05, &Ball));
+        assert!((viewer.height(&Ball) - 2.0).abs() < 1e-6, "{}", viewer.height(&Ball));
         assert!((-20.0..-10.0).contains(&viewer.pitch.to_degrees()), "{}", viewer.pitch.to_degrees());
     }
 }

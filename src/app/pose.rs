@@ -3,15 +3,13 @@
 //! All in f64 and planet-fixed metres. The direction is kept as a tangent and a pitch, so that looking straight down, or standing
 //! on a pole, is like any other place.
 
+use super::surface::Surface;
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use terrane_planet::view::Camera;
 
 /// Height in metres above ground and sea that the viewer never sinks below.
 pub(super) const LEAST_HEIGHT: f64 = 2.0;
-
-/// Distance of the surface (ground, or sea above it) from the planet's centre in a unit direction, in metres.
-pub(super) type Surface<'a> = &'a dyn Fn(DVec3) -> f64;
 
 /// A level viewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -62,8 +60,8 @@ impl Pose {
     }
 
     /// Metres above the surface.
-    pub(super) fn height(&self, surface: Surface<'_>) -> f64 {
-        self.position.length() - surface(self.up())
+    pub(super) fn height(&self, surface: &dyn Surface) -> f64 {
+        self.position.length() - surface.radius(self.up())
     }
 
     /// Turns by radians to the right and upwards.
@@ -91,16 +89,18 @@ impl Pose {
     }
 
     /// Moves straight up or down to a height above the surface, no lower than [`LEAST_HEIGHT`].
-    pub(super) fn set_height(&mut self, height: f64, surface: Surface<'_>) {
+    pub(super) fn set_height(&mut self, height: f64, surface: &dyn Surface) {
         let up = self.up();
-        self.position = up * (surface(up) + height.max(LEAST_HEIGHT));
+        self.position = up * (surface.radius(up) + height.max(LEAST_HEIGHT));
     }
 
-    /// Lifts the viewer out of the ground.
-    pub(super) fn keep_above(&mut self, surface: Surface<'_>) {
-        if self.height(surface) < LEAST_HEIGHT {
+    /// Lifts the viewer out of the ground. Returns whether that was needed.
+    pub(super) fn keep_above(&mut self, surface: &dyn Surface) -> bool {
+        let below = self.height(surface) < LEAST_HEIGHT;
+        if below {
             self.set_height(LEAST_HEIGHT, surface);
         }
+        below
     }
 
     /// The unit direction of what is seen at a pixel.
@@ -138,8 +138,17 @@ pub(super) mod tests {
     pub(crate) const RADIUS: f64 = 6.4e6;
     pub(crate) const LENS: Lens = Lens { fov: 0.9, size: [800, 600] };
 
-    pub(crate) fn ball(_: DVec3) -> f64 {
-        RADIUS
+    pub(crate) struct Ball;
+
+    impl Surface for Ball {
+        fn radius(&self, _: DVec3) -> f64 {
+            RADIUS
+        }
+
+        fn meet(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
+            let passes = origin.cross(direction).length() > RADIUS;
+            meet_sphere(origin, direction, RADIUS).filter(|_| !passes).map(|towards| towards * RADIUS)
+        }
     }
 
     pub(crate) fn pose(height: f64, heading: f64, pitch: f64) -> Pose {

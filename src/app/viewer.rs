@@ -4,8 +4,7 @@ use super::fly_camera::FlyCamera;
 use super::keys::Held;
 use super::orbit_camera::OrbitCamera;
 use super::pose::{Lens, Pose};
-use glam::DVec3;
-use terrane_planet::planet::Planet;
+use super::surface::Surface;
 use terrane_planet::view::Camera;
 
 /// How far the view turns when the mouse moves by a pixel, in angles that a pixel subtends.
@@ -61,22 +60,22 @@ impl Viewer {
     }
 
     /// A mouse button went down, or up.
-    pub(super) fn press(&mut self, button: Button, down: bool, planet: &Planet) {
+    pub(super) fn press(&mut self, button: Button, down: bool, surface: &dyn Surface) {
         self.orbit.release();
         self.button = down.then_some(button);
         if self.button == Some(Button::Left) && !self.flying {
-            self.orbit.press(&self.pose, &self.lens, self.cursor, &|direction| surface(planet, direction));
+            self.orbit.press(&self.pose, &self.lens, self.cursor, surface);
         }
     }
 
     /// The mouse moved to a pixel.
-    pub(super) fn point(&mut self, pixel: [f64; 2], planet: &Planet) {
+    pub(super) fn point(&mut self, pixel: [f64; 2], surface: &dyn Surface) {
         let moved = [pixel[0] - self.cursor[0], pixel[1] - self.cursor[1]];
         self.cursor = pixel;
         match self.button {
             None => {}
             Some(Button::Left) if !self.flying => {
-                self.orbit.drag(&mut self.pose, &self.lens, pixel, &|direction| surface(planet, direction));
+                self.orbit.drag(&mut self.pose, &self.lens, pixel, surface);
             }
             Some(_) => {
                 let angle = LOOK_GAIN * self.pose.camera(&self.lens).pixel_angle();
@@ -100,23 +99,22 @@ impl Viewer {
     }
 
     /// Moves on by so many seconds.
-    pub(super) fn step(&mut self, seconds: f64, planet: &Planet) {
-        let ground = |direction| surface(planet, direction);
+    pub(super) fn step(&mut self, seconds: f64, surface: &dyn Surface) {
         if self.flying {
-            self.flight.step(&mut self.pose, self.held.wish(), self.held.hurry(), seconds, &ground);
+            self.flight.step(&mut self.pose, self.held.wish(), self.held.hurry(), seconds, surface);
         } else {
-            self.orbit.step(&mut self.pose, &self.lens, self.cursor, seconds, &ground);
+            self.orbit.step(&mut self.pose, &self.lens, self.cursor, seconds, surface);
         }
+        self.rise(surface);
+    }
+
+    /// Lifts the viewer out of ground that has changed. Returns whether that was needed.
+    pub(super) fn rise(&mut self, surface: &dyn Surface) -> bool {
+        self.pose.keep_above(surface)
     }
 
     /// Metres above ground or sea.
-    pub(super) fn height(&self, planet: &Planet) -> f64 {
-        self.pose.height(&|direction| surface(planet, direction))
+    pub(super) fn height(&self, surface: &dyn Surface) -> f64 {
+        self.pose.height(surface)
     }
-}
-
-/// Distance of ground, or of the sea above it, from the planet's centre, in metres.
-fn surface(planet: &Planet, direction: DVec3) -> f64 {
-    let ground = planet.terrain.height(direction);
-    planet.recipe.radius + planet.recipe.sea.as_ref().map_or(ground, |sea| ground.max(sea.level_m))
 }

@@ -32,7 +32,7 @@ use resolve::Resolve;
 use select::Select;
 use sky::Sky;
 use std::sync::Arc;
-use terrane_planet::layout::{EmitState, FrameView, Mode};
+use terrane_planet::layout::{EmitState, FrameView, Mode, Shading};
 use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
 use tonemap::Tonemap;
@@ -53,7 +53,7 @@ pub struct Renderer {
     sky: Sky,
     tonemap: Tonemap,
     context: Arc<Context>,
-    targets: Targets,
+    pub(crate) targets: Targets,
     /// Buffers shared by the stages.
     pub buffers: FrameBuffers,
 }
@@ -86,7 +86,7 @@ impl Renderer {
     /// Prepares the tables of the next frame and hands them to the GPU. `whole` draws patches out of sight too.
     pub fn prepare(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look, whole: bool) -> Result<FrameTables> {
         let tables = FrameTables::new(scene, view, cut, whole);
-        let shading = shading(&scene.planet().recipe, &view.camera, look);
+        let shading = lit(scene, view, look);
         self.buffers.write(&tables, &view.gpu, &shading)?;
         Ok(tables)
     }
@@ -94,7 +94,7 @@ impl Renderer {
     /// Prepares another picture of a mesh that is selected and emitted already, from wherever `view` is. `tables` are those of the
     /// frame before, and the scene must not have been updated since.
     pub fn prepare_again(&mut self, scene: &Scene, view: &View, tables: &FrameTables, look: &Look) -> Result<()> {
-        let shading = shading(&scene.planet().recipe, &view.camera, look);
+        let shading = lit(scene, view, look);
         let shift = (tables.eye - view.eye).as_vec3().to_array();
         self.buffers.write(tables, &FrameView { shift, ..view.gpu }, &shading)
     }
@@ -155,6 +155,15 @@ impl Renderer {
     pub fn earlier_counters(&self) -> Result<EmitState> {
         self.buffers.earlier_counters()
     }
+}
+
+/// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
+fn lit(scene: &Scene, view: &View, look: &Look) -> Shading {
+    let mut shading = shading(&scene.planet().recipe, &view.camera, look);
+    if scene.ground().buries(view.camera.position) {
+        shading.exposure = 0.0;
+    }
+    shading
 }
 
 /// Keeps the drawn patches on the GPU until the commands are done.

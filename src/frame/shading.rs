@@ -35,7 +35,8 @@ pub fn shading(recipe: &Recipe, camera: &Camera, look: &Look) -> Shading {
     let vector = |d: DVec3| d.as_vec3().to_array();
     let colour = |c: [f64; 3]| c.map(|x| x as f32);
     let mut shading = Shading {
-        camera: vector(camera.position),
+        // The shaders divide by its length.
+        camera: vector(if camera.position.length() < 1.0 { local_frame(camera.position).z_axis } else { camera.position }),
         mode: look.mode as u32,
         sun: vector(look.sun),
         altitude: (camera.position.length() - recipe.radius) as f32,

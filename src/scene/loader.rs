@@ -8,6 +8,7 @@ use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
 use terrane_planet::patch::PatchId;
+use terrane_planet::query::PatchGrid;
 use terrane_planet::store::StoreError;
 use terrane_planet::verify::LoadedPatch;
 
@@ -18,6 +19,7 @@ const LEAST_WORKERS: usize = 2;
 pub(super) struct Loaded {
     pub(super) patch: LoadedPatch,
     pub(super) texture: Option<TextureMips>,
+    pub(super) grid: PatchGrid,
 }
 
 type Arrival = (PatchId, Result<Loaded, StoreError>);

@@ -3,12 +3,14 @@
 //!
 //! In: a planet file and a view. Out: the cut, and the resident patches that it draws.
 
+mod drawn_ground;
 mod keeper;
 mod loader;
 mod resident;
 mod source;
 mod textures;
 
+pub use drawn_ground::DrawnGround;
 pub use keeper::CacheOptions;
 pub use resident::ResidentPatch;
 pub use textures::TexturePool;
@@ -25,6 +27,7 @@ use std::time::Duration;
 use terrane_planet::lattice::Lattice;
 use terrane_planet::patch::PatchId;
 use terrane_planet::planet::{Planet, PlanetError};
+use terrane_planet::query::KnownGround;
 use terrane_planet::reference::cut::{cut, Cut};
 use terrane_planet::store::{PlanetFile, StoreError};
 use terrane_planet::tree::{PatchFacts, PatchTree};
@@ -116,6 +119,7 @@ pub struct Scene {
     planet: Arc<Planet>,
     tree: PatchTree,
     resident: HashMap<PatchId, ResidentPatch>,
+    ground: DrawnGround,
     textures: TexturePool,
     loader: Loader,
     // Dropped after the loader, whose workers hand it what they built.
@@ -171,6 +175,7 @@ impl Scene {
         })?;
         let mut scene = Scene {
             context: context.clone(),
+            ground: DrawnGround::new(KnownGround::new(planet.lattice, planet.cells)),
             planet,
             tree,
             resident: HashMap::new(),
@@ -217,6 +222,11 @@ impl Scene {
         self.resident.len()
     }
 
+    /// The ground of the resident patches.
+    pub fn ground(&self) -> &DrawnGround {
+        &self.ground
+    }
+
     /// Bytes that the patches on the GPU take, textures of absent ones included, and the most they may take.
     pub fn gpu_bytes(&self) -> (u64, u64) {
         let meshes: u64 = self.resident.values().map(|patch| patch.buffer().bytes()).sum();
@@ -248,10 +258,10 @@ impl Scene {
         Ok(self.choose(view))
     }
 
-    /// [`Scene::update`] for a window: the uploads become part of the frame that `commands` records, and nothing is waited for.
-    pub fn stream(&mut self, view: &View, uploads: usize, commands: &mut Commands) -> Result<Cut, SceneError> {
-        self.stage_arrived(uploads)?.record(commands)?;
-        Ok(self.choose(view))
+    /// The first half of [`Scene::update`] for a window: the uploads become part of the frame that `commands` records, and nothing is
+    /// waited for. The ground may have changed then: [`Scene::choose`] the cut once the viewer is above it.
+    pub fn receive(&mut self, uploads: usize, commands: &mut Commands) -> Result<(), SceneError> {
+        Ok(self.stage_arrived(uploads)?.record(commands)?)
     }
 
     fn stage_arrived(&mut self, uploads: usize) -> Result<Upload, SceneError> {
@@ -260,9 +270,11 @@ impl Scene {
         self.stage(arrived)
     }
 
-    fn choose(&mut self, view: &View) -> Cut {
+    /// Computes the cut of a view from what is resident, and asks for what it lacks.
+    pub fn choose(&mut self, view: &View) -> Cut {
         let resident = &self.resident;
         let cut = cut(&self.tree, view, &|id| resident.contains_key(&id));
+        self.ground.follow(&cut);
         self.settled = cut.wanted.is_empty() || self.full_at.is_some();
         self.mark_used(&cut);
         self.request(&cut);
@@ -331,6 +343,7 @@ impl Scene {
             }
             let patch = ResidentPatch::new(&self.context, &mut upload, &loaded.patch, layer, self.frame)?;
             self.resident.insert(loaded.patch.mesh.id, patch);
+            self.ground.known.insert(loaded.grid);
         }
         Ok(upload)
     }
@@ -340,6 +353,7 @@ impl Scene {
         let has_children = |id: PatchId| id.children().into_iter().flatten().any(|c| self.resident.contains_key(&c));
         let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame && !has_children(**id));
         let Some(oldest) = idle.min_by_key(|(id, p)| (p.last_used, **id)).map(|(id, _)| *id) else { return false };
+        self.ground.known.remove(oldest);
         if let Some(layer) = self.resident.remove(&oldest).and_then(|p| p.layer) {
             self.textures.release(layer);
         }

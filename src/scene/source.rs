@@ -10,6 +10,7 @@ use std::sync::Arc;
 use terrane_planet::patch::PatchId;
 use terrane_planet::planet::Planet;
 use terrane_planet::progressive::PatchMesh;
+use terrane_planet::query::PatchGrid;
 use terrane_planet::store::{BakedPatch, PlanetFile, StoreError};
 use terrane_planet::texture::PatchTexture;
 use terrane_planet::verify::LoadedPatch;
@@ -78,6 +79,7 @@ impl Source {
 
     fn prepare(&self, mesh: PatchMesh, texture: Option<PatchTexture>) -> Loaded {
         let texture = texture.map(|texture| TextureMips::new(&texture, self.planet.cells));
-        Loaded { patch: LoadedPatch::new(mesh, &self.planet.lattice), texture }
+        let grid = PatchGrid::of_mesh(&mesh, &self.planet.lattice);
+        Loaded { patch: LoadedPatch::new(mesh, &self.planet.lattice), texture, grid }
     }
 }

@@ -1,4 +1,4 @@
-//! `terrane mesh` and `terrane bench` as processes.
+//! `terrane mesh`, `terrane bench` and `terrane compare` as processes.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -123,4 +123,31 @@ fn bad_paths_are_explained() {
         assert_eq!(output.status.code(), Some(1), "{path}");
         assert!(text(&output.stderr).contains(message), "{path}: {}", text(&output.stderr));
     }
+}
+
+#[test]
+fn comparisons_bring_every_method_to_the_same_error() {
+    let folder = tempfile::tempdir().unwrap();
+    planet_in(folder.path());
+    let key = |time: u32, altitude: u32, pitch: i32| {
+        format!("{{\"time_s\":{time},\"latitude\":10,\"longitude\":20,\"altitude_m\":{altitude},\"heading\":30,\"pitch\":{pitch},\"fov\":50}}")
+    };
+    std::fs::write(folder.path().join("p.json"), format!("[{},{}]", key(0, 40_000, -90), key(9, 1500, -20))).unwrap();
+    let arguments = ["compare", "tiny.planet", "--path", "p.json", "--frames", "2", "--size", "1280x720", "--json", "c.json"];
+    let output = terrane(&[&arguments[..], &["--pixels", "500", "--block", "2"]].concat(), folder.path());
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    let result = json(&std::fs::read(folder.path().join("c.json")).unwrap());
+    let rows = result["rows"].as_array().unwrap();
+    let methods: Vec<&str> = rows.iter().step_by(2).map(|row| row["method"].as_str().unwrap()).collect();
+    assert_eq!((methods, rows.len()), (vec!["ours", "ours", "ours", "CDLOD", "RTIN", "clusters"], 12));
+    for row in rows {
+        let equal = if row["equal"] == "max" { "max_px" } else { "p999_px" };
+        let error = row[equal].as_f64().unwrap();
+        assert!((0.5..=1.03).contains(&error) && row["missed"] == 0, "{row}");
+        let mean = row["triangles_in_view"].as_f64().unwrap();
+        let by_frame: Vec<f64> = row["in_view_by_frame"].as_array().unwrap().iter().map(|n| n.as_f64().unwrap()).collect();
+        assert!(mean > 50.0 && (by_frame[0] + by_frame[1]) / 2.0 == mean, "{row}");
+        assert!(text(&output.stdout).contains(row["variant"].as_str().unwrap()));
+    }
+    assert_eq!(rows[0]["ours_over_this"], 1.0);
 }

@@ -2,7 +2,9 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
+mod extremes;
 mod harness;
+mod history;
 mod layout;
 mod on_demand;
 mod overflow;

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 failed (the whole chain of errors is on stderr), 2 wrong usage, 130 interrupted.
 
 mod commands;
+mod compare;
 mod study;
 mod svg;
 

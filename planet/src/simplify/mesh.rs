@@ -248,7 +248,7 @@ pub fn grid_triangles(cells: u32) -> Vec<[u32; 3]> {
 
 /// Corners of the two triangles of cell (i, j) of a grid. In even cells the diagonal rises from (i, j), in odd ones it falls towards
 /// (i + 1, j); either way the first triangle has the bottom edge and the second one the top edge.
-fn cell_corners(columns: usize, i: usize, j: usize) -> [[u32; 3]; 2] {
+pub(crate) fn cell_corners(columns: usize, i: usize, j: usize) -> [[u32; 3]; 2] {
     let a = (j * columns + i) as u32;
     let (b, c, d) = (a + 1, a + columns as u32, a + columns as u32 + 1);
     if (i + j).is_multiple_of(2) {

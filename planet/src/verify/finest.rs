@@ -2,11 +2,12 @@
 //!
 //! Full grids of the leaves of [`finest_cut`], read when a ray first comes near one and kept as long as there is room.
 
-use super::box_tree::{BoxTree, Ray};
-use super::patch_surface::{grouped_grid, PatchSurface};
 use crate::lattice::{Lattice, LatticeBox};
 use crate::patch::PatchId;
 use crate::progressive::PatchMesh;
+use crate::rays::box_tree::BoxTree;
+use crate::rays::patch_surface::grouped_grid;
+use crate::rays::{PatchSurface, Ray};
 use crate::reference::cut::finest_cut;
 use crate::store::StoreError;
 use crate::tree::PatchTree;

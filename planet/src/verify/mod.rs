@@ -1,19 +1,17 @@
 //! Checks of the invariants on drawn meshes, in the places where they are drawn: watertight by bits, nothing flipped or degenerate,
 //! closure kept; and the screen error, measured with rays against the finest resident surface.
 
-mod box_tree;
 pub mod error_readings;
 pub mod finest;
-pub mod patch_surface;
 pub mod random_views;
 pub mod screen_error;
 pub mod surface_check;
 
-pub use box_tree::Ray;
+pub use crate::rays::{patch_surface, Ray};
 pub use error_readings::{ErrorReadings, Probe, Reading};
 pub use finest::{FinestSurface, GridCache};
 pub use random_views::RandomViews;
-pub use screen_error::{measure, Drawn, Effort, ScreenError};
+pub use screen_error::{is_in_view, measure, Drawn, Effort, ScreenError};
 pub use surface_check::{SurfaceCheck, SurfaceReport};
 
 use crate::lattice::Lattice;

@@ -9,14 +9,14 @@
 //! their distance over that of the nearer one to the camera is the error, in radians and then in pixels of the
 //! picture's middle; in views with the orientation term it is the angle between the two.
 
-use super::box_tree::{BoxTree, Ray};
 use super::error_readings::{ErrorReadings, Probe, Reading};
 use super::finest::FinestSurface;
-use super::patch_surface::PatchSurface;
 use super::random_views::Random;
 use crate::lattice::LatticeBox;
 use crate::layout::{DrawnVertex, PatchVertex};
 use crate::patch::PatchId;
+use crate::rays::box_tree::BoxTree;
+use crate::rays::{PatchSurface, Ray};
 use crate::reference::cut::{is_visible, sides_beside, Leaf};
 use crate::reference::select::on_sides;
 use crate::store::StoreError;
@@ -104,7 +104,6 @@ pub fn measure(
         surfaces,
         visible: (0..drawn.len()).filter(|&k| seen(&drawn[k])).collect(),
         rim_sides: drawn.iter().map(rim_sides).collect(),
-        ball: tree.lattice.radius + f64::from(tree.lowest),
     };
     let sleepers = judge.visible.par_iter().map(|&k| Ok(judge.sleepers(k)));
     let tasks = effort.pixels.div_ceil(PIXELS_A_TASK);
@@ -135,8 +134,6 @@ struct Judge<'a, 'f> {
     visible: Vec<usize>,
     /// The sides of each drawn patch beside missing data.
     rim_sides: Vec<u32>,
-    /// Radius of a ball inside the planet's ground.
-    ball: f64,
 }
 
 impl Judge<'_, '_> {
@@ -176,7 +173,7 @@ impl Judge<'_, '_> {
     /// Samples of the finest surface over a drawn patch.
     fn samples(&self, k: usize, probe: Probe, places: impl Iterator<Item = IVec3>) -> ScreenError {
         let mut error = ScreenError::default();
-        for place in places.map(|p| p.as_dvec3()).filter(|&p| self.in_view(p)) {
+        for place in places.map(|p| p.as_dvec3()).filter(|&p| is_in_view(self.view, self.tree, p)) {
             let ray = Ray::radial(place);
             // A sample on a border may lie a rounding beyond it, over the neighbour.
             let own =
@@ -223,16 +220,6 @@ impl Judge<'_, '_> {
         self.rim_sides[hit.k] != 0 && hit.triangle.is_none_or(|t| t.iter().any(|&v| on_rim(v) || from_rim(v)))
     }
 
-    fn in_view(&self, place: DVec3) -> bool {
-        let line = place - self.view.eye;
-        if self.view.planes.iter().any(|plane| plane.dot(line) > 0.0) {
-            return false;
-        }
-        let lowest_at = -self.view.eye.dot(line) / line.length_squared();
-        let passes_under = (0.0..1.0).contains(&lowest_at) && (self.view.eye + line * lowest_at).length() < self.ball;
-        !passes_under || self.view.eye.length() <= self.ball
-    }
-
     fn note(&self, error: &mut ScreenError, probe: Probe, place: DVec3, drawn: Option<(f64, Hit)>, finest: Option<f64>) {
         let (Some((drawn, hit)), Some(finest)) = (drawn, finest) else {
             error.missed += 1;
@@ -258,4 +245,17 @@ impl Judge<'_, '_> {
         let readings = if self.is_at_rim(&hit) { &mut error.at_data_rim } else { &mut error.readings };
         readings.add(reading);
     }
+}
+
+/// Whether a place lies in the frustum of a view, and the line to it misses the ball inside the planet's lowest ground (hills hide
+/// nothing).
+pub fn is_in_view(view: &View, tree: &PatchTree, place: DVec3) -> bool {
+    let line = place - view.eye;
+    if view.planes.iter().any(|plane| plane.dot(line) > 0.0) {
+        return false;
+    }
+    let ball = tree.lattice.radius + f64::from(tree.lowest);
+    let lowest_at = -view.eye.dot(line) / line.length_squared();
+    let passes_under = (0.0..1.0).contains(&lowest_at) && (view.eye + line * lowest_at).length() < ball;
+    !passes_under || view.eye.length() <= ball
 }

@@ -3,6 +3,7 @@
 mod percentiles;
 mod savings;
 
+use super::paths::load_path;
 use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
@@ -10,18 +11,15 @@ use anyhow::{ensure, Context as _};
 use percentiles::{summarise, Line};
 use savings::VARIANTS;
 use serde_json::{json, Value};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use terrane::frame::STAGES;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
 use terrane::vulkan::GpuInfo;
-use terrane_planet::camera_path::{CameraPath, Keyframe};
+use terrane_planet::camera_path::Keyframe;
 use terrane_planet::sphere::direction_at;
 use terrane_planet::view::{View, TOLERANCE_RANGE};
-
-/// Paths that come with the command.
-const BUILT_IN: [(&str, &str); 1] = [("descent", include_str!("../../paths/descent.json"))];
 
 /// Measure the frames along a camera path: steady costs, after the patches of each frame have been loaded.
 ///
@@ -32,7 +30,7 @@ const BUILT_IN: [(&str, &str); 1] = [("descent", include_str!("../../paths/desce
 pub(crate) struct Bench {
     /// Planet file.
     file: PathBuf,
-    /// Keyframes: a JSON file, or `descent`, which comes with the command.
+    /// Keyframes: a JSON file, or `descent` or `flyover`, which come with the command.
     #[arg(long, value_name = "PATH.json|NAME")]
     path: PathBuf,
     /// Frames to measure.
@@ -136,21 +134,6 @@ impl Bench {
             "rows": stands.iter().zip(costs).map(|(stand, cost)| row(stand, cost)).collect::<Vec<_>>(),
         })
     }
-}
-
-/// The path of a file, or the built-in one of that name.
-fn load_path(path: &Path) -> anyhow::Result<CameraPath> {
-    let built_in = BUILT_IN.iter().find(|(name, _)| path.as_os_str() == *name);
-    let text = match built_in {
-        Some((_, text)) => (*text).to_owned(),
-        None => std::fs::read_to_string(path).with_context(|| {
-            let names = BUILT_IN.map(|(name, _)| name).join(", ");
-            format!("cannot read the camera path {} (built-in paths: {names})", path.display())
-        })?,
-    };
-    let keyframes: Vec<Keyframe> =
-        serde_json::from_str(&text).with_context(|| format!("{}: not a list of keyframes", path.display()))?;
-    CameraPath::new(&keyframes).with_context(|| format!("{}: not a camera path", path.display()))
 }
 
 fn row(stand: &Keyframe, c: &FrameCost) -> Value {

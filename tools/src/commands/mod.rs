@@ -1,5 +1,6 @@
 //! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], and one line here.
 
+mod paths;
 mod pictures;
 mod viewing;
 
@@ -33,6 +34,7 @@ macro_rules! commands {
 commands! {
     bake => Bake,
     bench => Bench,
+    compare => Compare,
     fly => Fly,
     gpus => Gpus,
     growth => Growth,

@@ -1,6 +1,7 @@
 //! The triangles of one patch, to be hit by rays: found by obvhs, decided in f64 on exact corners.
 
-use super::box_tree::{BoxTree, Ray};
+use super::box_tree::BoxTree;
+use super::Ray;
 use crate::lattice::{Lattice, LatticeBox};
 use crate::layout::{DrawnVertex, PatchVertex};
 use crate::progressive::PatchMesh;
@@ -12,9 +13,6 @@ use std::sync::Arc;
 /// Grid cells along a side of a group: all triangles of a group share one box, which keeps full grids small in memory.
 const GROUP: u32 = 4;
 
-/// By how much rounding may move a ray aside, relative to the distance from its origin.
-const RAY_ROUNDING: f64 = 8.0 * f64::EPSILON;
-
 /// Triangles of one patch, with corners on the lattice or between its points.
 pub struct PatchSurface<P = IVec3> {
     /// Exact corners; those of a full grid by grid number.
@@ -22,7 +20,8 @@ pub struct PatchSurface<P = IVec3> {
     triangles: Arc<[[u32; 3]]>,
     group: usize,
     boxes: BoxTree,
-    pub(super) bounds: LatticeBox,
+    /// Box around its triangles.
+    pub bounds: LatticeBox,
 }
 
 /// Triangles of the full grid of a patch of `cells` cells a side, group by group.
@@ -44,6 +43,11 @@ impl PatchSurface {
         for vertex in PatchVertex::of_patch(mesh, lattice) {
             positions[vertex.grid() as usize] = IVec3::from_array(vertex.position);
         }
+        PatchSurface::of_positions(positions, triangles)
+    }
+
+    /// The full grid with corners at `positions`, by grid number; `triangles` from [`grouped_grid`].
+    pub fn of_positions(positions: Vec<IVec3>, triangles: &Arc<[[u32; 3]]>) -> PatchSurface {
         PatchSurface::new(positions, triangles.clone(), (2 * GROUP * GROUP) as usize)
     }
 }
@@ -83,7 +87,8 @@ impl<P: Copy + Into<DVec3>> PatchSurface<P> {
         let in_group = |k: usize| {
             let first = k * self.group;
             let last = (first + self.group).min(self.triangles.len());
-            let hits = self.triangles[first..last].iter().filter_map(|t| Some((self.distance(ray, t)?, *t)));
+            let corners = |t: &[u32; 3]| t.map(|v| self.positions[v as usize].into());
+            let hits = self.triangles[first..last].iter().filter_map(|t| Some((ray.distance_to(corners(t), 0.0)?, *t)));
             let (distance, triangle) = hits.min_by(|a, b| a.0.total_cmp(&b.0))?;
             if nearest.is_none_or(|(found, _)| distance < found) {
                 nearest = Some((distance, triangle));
@@ -92,25 +97,6 @@ impl<P: Copy + Into<DVec3>> PatchSurface<P> {
         };
         self.boxes.nearest(ray, in_group);
         nearest
-    }
-
-    /// The ray turns the same way about the three edges of a triangle that it passes. Through a vertex it turns about several
-    /// edges by less than f64 can tell: what may be a hit is one, so that no ray slips between triangles. Corners are taken relative
-    /// to a point of the ray beside them: relative to a distant origin a ray could not be told from one several lattice units aside.
-    fn distance(&self, ray: &Ray, triangle: &[u32; 3]) -> Option<f64> {
-        let far = triangle.map(|v| self.positions[v as usize].into() - ray.origin);
-        let along = far.map(|corner| ray.direction.dot(corner));
-        let [a, b, c] = far.map(|corner| corner - ray.direction * along[0]);
-        let [u, v, w] = [(b, c), (c, a), (a, b)].map(|(p, q)| ray.direction.dot(p.cross(q)));
-        let slack = RAY_ROUNDING * far[0].length() * a.length().max(b.length()).max(c.length());
-        if u.min(v).min(w) < -slack && u.max(v).max(w) > slack {
-            return None;
-        }
-        let normal = (b - a).cross(c - a);
-        let distance = along[0] + normal.dot(a) / normal.dot(ray.direction);
-        // A triangle seen edge-on has no one distance, but none beyond its corners'.
-        let [nearest, farthest] = [along.into_iter().fold(f64::MAX, f64::min), along.into_iter().fold(f64::MIN, f64::max)];
-        Some(distance.clamp(nearest, farthest)).filter(|distance| *distance >= 0.0)
     }
 }
 

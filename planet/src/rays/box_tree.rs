@@ -4,6 +4,7 @@
 //! to the middle of all boxes, rays from where they enter, and boxes are widened by more than that rounds. So no box is
 //! missed, and whoever is asked what lies in a box can answer exactly.
 
+use super::Ray;
 use crate::lattice::LatticeBox;
 use glam::DVec3;
 use obvhs::aabb::Aabb;
@@ -17,24 +18,8 @@ use std::time::Duration;
 /// neither by more than a third of this.
 const WIDENING: f64 = 1.0 / (1u32 << 20) as f64;
 
-/// A half line; the direction has length 1.
-#[derive(Clone, Copy, Debug)]
-pub struct Ray {
-    /// Where it begins, in lattice units.
-    pub origin: DVec3,
-    /// Where it goes.
-    pub direction: DVec3,
-}
-
-impl Ray {
-    /// From the planet's centre through a point.
-    pub fn radial(through: DVec3) -> Ray {
-        Ray { origin: DVec3::ZERO, direction: through.normalize() }
-    }
-}
-
 /// Boxes by place.
-pub(super) struct BoxTree {
+pub(crate) struct BoxTree {
     low: DVec3,
     high: DVec3,
     margin: f64,
@@ -42,7 +27,7 @@ pub(super) struct BoxTree {
 }
 
 impl BoxTree {
-    pub(super) fn new(boxes: &[LatticeBox]) -> BoxTree {
+    pub(crate) fn new(boxes: &[LatticeBox]) -> BoxTree {
         let all = boxes.iter().fold(LatticeBox::EMPTY, |all, &one| all.union(one));
         let (low, high) = (all.low.as_dvec3(), all.high.as_dvec3());
         let margin = (high - low).max_element().max(1.0) * WIDENING;
@@ -58,7 +43,7 @@ impl BoxTree {
     }
 
     /// The nearest of the distances that `hit` gives for the boxes on the ray's way.
-    pub(super) fn nearest(&self, ray: &Ray, mut hit: impl FnMut(usize) -> Option<f64>) -> Option<f64> {
+    pub(crate) fn nearest(&self, ray: &Ray, mut hit: impl FnMut(usize) -> Option<f64>) -> Option<f64> {
         let (entry, exit) = self.span(ray)?;
         let origin = ray.origin + ray.direction * entry - (self.low + self.high) / 2.0;
         let reach = (exit - entry) + self.margin;

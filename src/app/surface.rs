@@ -1,0 +1,166 @@
+//! What the viewer moves over: the ground that is drawn, or the sea above it.
+
+use super::pose::meet_sphere;
+use crate::scene::{DrawnGround, Scene};
+use glam::DVec3;
+use terrane_planet::recipe::Recipe;
+
+/// A surface around the planet's centre, in planet-fixed metres.
+pub(super) trait Surface {
+    /// Distance from the planet's centre in a unit direction.
+    fn radius(&self, direction: DVec3) -> f64;
+
+    /// The place at which a ray from above first meets it; `direction` has length 1.
+    fn meet(&self, origin: DVec3, direction: DVec3) -> Option<DVec3>;
+}
+
+/// The drawn ground of a planet, and its sea.
+pub(super) struct DrawnSurface<'a> {
+    ground: &'a DrawnGround,
+    radius: f64,
+    /// Distance of the sea's surface from the planet's centre.
+    sea: Option<f64>,
+}
+
+impl<'a> DrawnSurface<'a> {
+    pub(super) fn new(ground: &'a DrawnGround, recipe: &Recipe) -> DrawnSurface<'a> {
+        DrawnSurface { ground, radius: recipe.radius, sea: recipe.sea.as_ref().map(|sea| recipe.radius + sea.level_m) }
+    }
+
+    pub(super) fn of_scene(scene: &'a Scene) -> DrawnSurface<'a> {
+        DrawnSurface::new(scene.ground(), &scene.planet().recipe)
+    }
+}
+
+impl Surface for DrawnSurface<'_> {
+    fn radius(&self, direction: DVec3) -> f64 {
+        let ground = self.radius + self.ground.height_at(direction).unwrap_or(0.0);
+        self.sea.map_or(ground, |sea| ground.max(sea))
+    }
+
+    fn meet(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
+        let ground = self.ground.known.raycast(origin, direction).map(|hit| hit.position);
+        let dives = |&sea: &f64| origin.cross(direction).length() < sea;
+        let sea = self.sea.filter(dives).and_then(|sea| meet_sphere(origin, direction, sea).map(|towards| towards * sea));
+        ground.into_iter().chain(sea).min_by(|a, b| a.distance_squared(origin).total_cmp(&b.distance_squared(origin)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::fly_camera::FlyCamera;
+    use super::super::pose::{Pose, LEAST_HEIGHT};
+    use super::*;
+    use std::path::Path;
+    use std::sync::{Arc, RwLock};
+    use std::time::Duration;
+    use terrane_planet::patch::PatchId;
+    use terrane_planet::planet::Planet;
+    use terrane_planet::query::{KnownGround, Refiner};
+    use terrane_planet::recipe::Sea;
+    use terrane_planet::reference::cut::{Cut, Leaf};
+    use terrane_planet::sphere::direction_at;
+    use terrane_planet::view::Camera;
+
+    /// Some decimetres of air about the viewer's eye.
+    const CLEARANCE: f64 = 0.3;
+
+    /// A planet without sea, known to 3 m along a line from a valley into a mountain side and beyond, and foot and top of that side.
+    fn mountain() -> (Planet, KnownGround, [DVec3; 2]) {
+        let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join("planet/recipes/tiny.toml");
+        let mut planet = Planet::from_recipe(Recipe::load(&recipe).unwrap(), 32).unwrap();
+        planet.recipe.sea = None;
+        let (low, high) = steepest(&planet);
+        let planet = Arc::new(planet);
+        let known = Arc::new(RwLock::new(KnownGround::new(planet.lattice, planet.cells)));
+        let refiner = Refiner::new(planet.clone(), known.clone());
+        let along = (0..=60).map(|k| low.lerp(high, f64::from(k) / 40.0));
+        let wanted: Vec<_> = along.map(|direction| refiner.refine(direction, 3.0)).collect();
+        assert!(wanted.iter().all(|refinement| refinement.wait(Duration::from_secs(60))));
+        drop((wanted, refiner));
+        let known = Arc::into_inner(known).unwrap().into_inner().unwrap();
+        (Arc::into_inner(planet).unwrap(), known, [low, high])
+    }
+
+    /// The steepest of many slopes 150 m long: its foot and its top.
+    fn steepest(planet: &Planet) -> (DVec3, DVec3) {
+        let pairs = (0..4000).map(|k| {
+            let foot = direction_at(f64::from(k % 63) * 2.5 - 78.0, f64::from(k / 63) * 5.6);
+            (foot, (foot + foot.any_orthonormal_vector() * (150.0 / planet.recipe.radius)).normalize())
+        });
+        let rise = |(foot, top): &(DVec3, DVec3)| planet.terrain.height(*top) - planet.terrain.height(*foot);
+        pairs.max_by(|a, b| rise(a).total_cmp(&rise(b))).unwrap()
+    }
+
+    /// Distance from a place to the nearest ground, of many directions.
+    fn clearance(known: &KnownGround, place: DVec3) -> f64 {
+        let directions = (0..343).map(|k| DVec3::new(f64::from(k % 7 - 3), f64::from(k / 7 % 7 - 3), f64::from(k / 49 - 3)));
+        let hits = directions.filter_map(|direction| known.raycast(place, direction));
+        hits.map(|hit| hit.distance).fold(f64::MAX, f64::min)
+    }
+
+    #[test]
+    fn flying_into_a_mountain_side_leads_up_along_it() {
+        let (planet, known, [foot, top]) = mountain();
+        let ground = DrawnGround::new(known);
+        let surface = DrawnSurface::new(&ground, &planet.recipe);
+        let towards = (top - foot).normalize();
+        let position = foot * (surface.radius(foot) + 10.0);
+        let level = Camera { position, forward: towards, up: foot, fov: 1.0, size: [64, 64] };
+        let mut pose = Pose::of_camera(&level);
+        let mut camera = FlyCamera::default();
+        let (mut risen, mut nearest, start) = (0.0f64, f64::MAX, pose.position.length());
+        for _ in 0..400 {
+            camera.step(&mut pose, DVec3::Z, true, 0.03, &surface);
+            assert!(pose.height(&surface) >= LEAST_HEIGHT - 1e-6, "{} m", pose.height(&surface));
+            nearest = nearest.min(clearance(&ground.known, pose.position));
+            risen = risen.max(pose.position.length() - start);
+            if pose.position.dot(towards) > top.dot(towards) * planet.recipe.radius {
+                break;
+            }
+        }
+        assert!(risen > 50.0, "the slope is only {risen} m high");
+        assert!((CLEARANCE..LEAST_HEIGHT * 1.01).contains(&nearest), "{nearest} m from the ground");
+    }
+
+    #[test]
+    fn ground_that_becomes_known_lifts_the_viewer() {
+        let (planet, known, [foot, top]) = mountain();
+        let height = |place: DVec3, level| known.height_to_level(place, level).unwrap().height;
+        let finest = |place: DVec3| known.height_at(place).unwrap();
+        let places = (0..40).map(|k| foot.lerp(top, f64::from(k) / 40.0).normalize());
+        let coarser = places.flat_map(|place| (0..finest(place).level).map(move |level| (place, level)));
+        let above = |&(place, level): &(DVec3, u8)| height(place, level) - finest(place).height;
+        let (place, level) = coarser.max_by(|a, b| above(a).total_cmp(&above(b))).unwrap();
+        let (low, high) = (finest(place).height, height(place, level));
+        assert!(high > low + 5.0, "{high} is hardly above {low}");
+        let mut ground = DrawnGround::new(known);
+        assert_eq!(ground.height_at(place), Some(low));
+        // A coarser patch that is still drawn lies above.
+        let drawn = Leaf { id: PatchId::containing(place, level), coarser_sides: 0 };
+        ground.follow(&Cut { leaves: vec![drawn], wanted: Vec::new() });
+        assert_eq!(ground.height_at(place), Some(high));
+        let surface = DrawnSurface::new(&ground, &planet.recipe);
+        let position = place * (planet.recipe.radius + low + LEAST_HEIGHT);
+        let mut pose = Pose::of_camera(&Camera::looking(position, 0.0, 0.0, 1.0, [64, 64]));
+        assert!(pose.keep_above(&surface) && !pose.keep_above(&surface));
+        assert!((pose.position.length() - planet.recipe.radius - high - LEAST_HEIGHT).abs() < 1e-6);
+    }
+
+    #[test]
+    fn rays_meet_the_sea_before_its_ground() {
+        let (planet, known, [foot, _]) = mountain();
+        let ground = DrawnGround::new(known);
+        let mut recipe = planet.recipe.clone();
+        let dry = DrawnSurface::new(&ground, &recipe).meet(foot * 4e4, -foot).unwrap();
+        let sea = |level_m| Sea { level_m, beach_m: 0.0, shallow: [0.0; 3], deep: [0.0; 3] };
+        let bed = dry.length() - recipe.radius;
+        for (level, above) in [(bed + 40.0, 40.0), (bed - 40.0, 0.0)] {
+            recipe.sea = Some(sea(level));
+            let surface = DrawnSurface::new(&ground, &recipe);
+            let met = surface.meet(foot * 4e4, -foot).unwrap();
+            assert!((met.length() - dry.length() - above).abs() < 1e-6, "{}", met.length() - dry.length());
+            assert!((surface.radius(foot) - met.length()).abs() < 1e-3);
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! No state from frames before: one view is the same mesh and the same picture however the viewer came to it.
+
+use crate::harness::{device, planet_file};
+use glam::DVec3;
+use std::collections::BTreeSet;
+use std::sync::Arc;
+use terrane::frame::{Look, DAYLIGHT};
+use terrane::headless::Headless;
+use terrane::scene::{Scene, SceneOptions};
+use terrane::vulkan::Context;
+use terrane_planet::layout::{Mode, VERTEX_BITS};
+use terrane_planet::patch::PatchId;
+use terrane_planet::view::{Camera, View};
+
+/// Size of the pictures.
+const SIZE: [u32; 2] = [320, 180];
+
+const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::new(0.8, 0.6, 0.0), exposure: DAYLIGHT };
+
+/// A viewer over the corner of a face, where patches are finest.
+#[derive(Clone, Copy)]
+struct Stand {
+    altitude: f64,
+    heading: f64,
+    fov: f64,
+    tolerance: f64,
+    /// The place below, before it is normalised.
+    over: DVec3,
+}
+
+const GOAL: Stand = Stand { altitude: 400.0, heading: 40.0, fov: 0.9, tolerance: 0.5, over: DVec3::ONE };
+
+impl Stand {
+    fn view(&self, scene: &Scene) -> View {
+        let planet = scene.planet();
+        let place = self.over.normalize();
+        let position = place * (planet.recipe.radius + planet.terrain.height(place) + self.altitude);
+        View::new(Camera::looking(position, self.heading, -25.0, self.fov, SIZE), &planet.lattice, planet.cells, self.tolerance)
+    }
+}
+
+/// Stands on the way to the goal, and how many patches each frame takes in.
+fn way(name: &str) -> (Vec<Stand>, usize) {
+    match name {
+        "at once" => (vec![], 0),
+        // Each frame half as high, faster than patches arrive.
+        "fall" => ((0..10).map(|k| Stand { altitude: GOAL.altitude * f64::from(1 << (10 - k)), ..GOAL }).collect(), 1),
+        "slow fall" => {
+            ((1..20).rev().map(|k| Stand { altitude: GOAL.altitude * (1.0 + 0.002 * f64::from(k)), ..GOAL }).collect(), 64)
+        }
+        "from below" => ((1..8).map(|k| Stand { altitude: GOAL.altitude * f64::from(k) / 8.0, ..GOAL }).collect(), 64),
+        "turn and zoom" => {
+            let stand = |k: i32| Stand { heading: 40.0 + 30.0 * f64::from(k), fov: 0.2 + 0.1 * f64::from(k), ..GOAL };
+            ((0..8).map(stand).collect(), 3)
+        }
+        "other tolerances" => ([4.0, 0.1, 1.0].map(|tolerance| Stand { tolerance, ..GOAL }).to_vec(), 64),
+        "across the planet" => {
+            let over = [DVec3::NEG_ONE, DVec3::new(-1.0, 1.0, 0.3), DVec3::new(1.0, 1.0, 0.8)];
+            (over.map(|over| Stand { over, ..GOAL }).to_vec(), 8)
+        }
+        _ => panic!("no way is called {name}"),
+    }
+}
+
+/// What a view shows.
+#[derive(PartialEq)]
+struct Shown {
+    /// Triangles by patch, with the bits of the places where their corners are drawn.
+    triangles: BTreeSet<(PatchId, [[u32; 3]; 3])>,
+    pixels: Vec<u8>,
+}
+
+fn show(scene: &Scene, headless: &mut Headless, view: &View, cut: &terrane_planet::reference::cut::Cut) -> Shown {
+    let report = headless.render(scene, view, cut, &LOOK).unwrap();
+    let selection = headless.read_selection(&report).unwrap();
+    let named = |t: &[u32; 3]| {
+        let number = (t[0] >> VERTEX_BITS) as usize;
+        let first = report.tables.patches[number].resolve_offset;
+        let place = |v: u32| selection.places[(first + (v & ((1 << VERTEX_BITS) - 1))) as usize].place.map(f32::to_bits);
+        (report.tables.leaves[number].id, t.map(place))
+    };
+    Shown { triangles: selection.triangles.iter().map(named).collect(), pixels: headless.pixels().unwrap() }
+}
+
+/// Goes a way with a new scene, drawing every frame, and shows the goal.
+fn arrive(context: &Arc<Context>, name: &str) -> Shown {
+    let mut scene = Scene::open(context, planet_file(), SceneOptions::default()).unwrap();
+    let mut headless = Headless::new(context, (SIZE[0], SIZE[1])).unwrap();
+    let (stands, uploads) = way(name);
+    for stand in stands {
+        let view = stand.view(&scene);
+        let cut = scene.update(&view, uploads).unwrap();
+        headless.render(&scene, &view, &cut, &LOOK).unwrap();
+    }
+    let goal = GOAL.view(&scene);
+    let cut = scene.settle(&goal).unwrap();
+    show(&scene, &mut headless, &goal, &cut)
+}
+
+#[test]
+fn the_way_to_a_view_shows_in_it() {
+    let Some(context) = device() else { return };
+    let expected = arrive(&context, "at once");
+    assert!(expected.triangles.len() > 200, "{} triangles prove little", expected.triangles.len());
+    for name in ["fall", "slow fall", "from below", "turn and zoom", "other tolerances", "across the planet"] {
+        let found = arrive(&context, name);
+        let apart = found.triangles.symmetric_difference(&expected.triangles).count();
+        let pixels = found.pixels.chunks(4).zip(expected.pixels.chunks(4)).filter(|(a, b)| a != b).count();
+        assert_eq!((apart, pixels), (0, 0), "{name}: triangles and pixels that differ");
+    }
+}
+
+#[test]
+fn a_step_aside_or_a_missing_patch_is_the_same_to_the_comparison() {
+    let Some(context) = device() else { return };
+    let mut scene = Scene::open(&context, planet_file(), SceneOptions::default()).unwrap();
+    let mut headless = Headless::new(&context, (SIZE[0], SIZE[1])).unwrap();
+    let goal = GOAL.view(&scene);
+    let early = scene.update(&goal, 0).unwrap();
+    let early = show(&scene, &mut headless, &goal, &early);
+    let cut = scene.settle(&goal).unwrap();
+    let settled = show(&scene, &mut headless, &goal, &cut);
+    let aside = Stand { altitude: GOAL.altitude * 1.001, ..GOAL }.view(&scene);
+    let cut = scene.settle(&aside).unwrap();
+    let aside = show(&scene, &mut headless, &aside, &cut);
+    for other in [early, aside] {
+        assert!(other.triangles != settled.triangles && other.pixels != settled.pixels);
+    }
+}
