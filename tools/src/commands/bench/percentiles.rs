@@ -4,6 +4,9 @@ use hdrhistogram::Histogram;
 use terrane::frame::STAGES;
 use terrane::measure::FrameCost;
 
+/// A quantity of a frame; `None` where a frame lacks it.
+type Value = Box<dyn Fn(&FrameCost) -> Option<f64>>;
+
 /// Largest value that histograms hold, in units of the last digit (microseconds for times); larger ones count as this.
 const LARGEST: u64 = 600_000_000;
 
@@ -20,7 +23,7 @@ pub(super) struct Line {
 struct Quantity {
     name: String,
     digits: usize,
-    value: Box<dyn Fn(&FrameCost) -> Option<f64>>,
+    value: Value,
 }
 
 fn quantities() -> Vec<Quantity> {
