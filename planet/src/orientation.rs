@@ -3,10 +3,7 @@
 //! In: where the eye is, and how steep the selection distance may become. Out: a distance that takes the place of that to the eye. With
 //! p from the eye to a place x, an error e at x subtends e sin(p, x) / |p|, so any distance up to |p| / sin(p, x) keeps the
 //! certificate. Closure asks for more: it must change by at most `slope` a unit of way. The larger of |p| and
-//!
-//!     height · h − side · r,      h = how far x lies below the eye, r = how far aside, along the eye's own vertical,
-//!
-//! does both. Its second part is linear in h and r, so its slope is √(height² + side²) everywhere. On a flat ground, where
+//! height · h − side · r, with h how far x lies below the eye along the eye's own vertical and r how far aside, does both. Its second part is linear in h and r, so its slope is √(height² + side²) everywhere. On a flat ground, where
 //! sin(p, x) = r / |p|, it stays below (h² + r²) / r if height² ≤ 4 (1 + side). On a planet the vertical at x leans away from the
 //! eye's by an angle θ, and sin(p, x) ≤ (r + h sin θ) / |p|; then `height` must be 2 √((1 + side)(1 + ε²)) − (2 + side) ε, where ε
 //! is the largest sin θ of the places for which the second part is the larger one. From far up nothing is left of it.
