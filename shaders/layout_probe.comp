@@ -73,6 +73,11 @@ void main() {
     words[at++] = bits(frameview.planes[4].y);
     words[at++] = bits(frameview.planes[4].z);
     words[at++] = bits(frameview.falloff);
+    words[at++] = bits(frameview.up.x);
+    words[at++] = bits(frameview.up.y);
+    words[at++] = bits(frameview.up.z);
+    words[at++] = bits(frameview.height_weight);
+    words[at++] = bits(frameview.side_weight);
     words[at++] = bits(frameview.reach);
     words[at++] = bits(frameview.morph_rate);
     words[at++] = bits(frameview.cells);

@@ -46,6 +46,16 @@ float wake_distance(uint code) {
     return uintBitsToFloat(((code >> 10u) + 127u) << 23u | (code & 1023u) << 13u);
 }
 
+// The orientation term's part of the selection distance: planet/src/orientation.rs.
+float oriented_distance(vec3 p) {
+    vec3 up = view.up;
+    precise float below = -(p.x * up.x + p.y * up.y + p.z * up.z);
+    precise vec3 across = vec3(p.y * up.z - p.z * up.y, p.z * up.x - p.x * up.z, p.x * up.y - p.y * up.x);
+    precise float aside = sqrt(across.x * across.x + across.y * across.y + across.z * across.z);
+    precise float distance = view.height_weight * below - view.side_weight * aside;
+    return distance;
+}
+
 // Whether a vertex is awake, and its morph weight.
 bool is_awake(PatchVertex vertex, uint sides, out float weight) {
     weight = 0.0;
@@ -66,7 +76,10 @@ bool is_awake(PatchVertex vertex, uint sides, out float weight) {
     precise float squared = p.x * p.x + p.y * p.y + p.z * p.z;
     precise float limit = reach * reach;
     if (reach <= 0.0 || squared >= limit) return false;
-    precise float slide = ((sqrt(squared) + falloff) / wake - view.scale) * view.morph_rate;
+    float oriented = view.height_weight > 0.0 ? oriented_distance(p) : 0.0;
+    if (oriented >= reach) return false;
+    float distance = max(sqrt(squared), oriented);
+    precise float slide = ((distance + falloff) / wake - view.scale) * view.morph_rate;
     weight = clamp(slide, 0.0, 1.0);
     return true;
 }

@@ -3,7 +3,7 @@
 //! In: a scene and a view. Out: a row of times and counts. Loading is not part of it: the scene settles first, and the time of
 //! that stands by itself.
 
-use crate::frame::{Look, STAGES};
+use crate::frame::{Look, MESH_STAGES, STAGES};
 use crate::headless::Headless;
 use crate::scene::{Scene, SceneError};
 use std::time::Instant;
@@ -38,6 +38,13 @@ pub struct FrameCost {
     pub patches: usize,
     /// Patches on the GPU.
     pub resident: usize,
+}
+
+impl FrameCost {
+    /// GPU milliseconds of the stages that make the mesh: select, resolve and emit. `None` without timestamps.
+    pub fn mesh_ms(&self) -> Option<f64> {
+        self.stages_ms[..MESH_STAGES].iter().copied().sum()
+    }
 }
 
 /// Settles the scene on a view and measures one frame of it.

@@ -140,6 +140,12 @@ gpu_structs! {
         planes: [[f32; 3]; 5],
         /// Weight of the distance outside the frustum (G).
         falloff: f32,
+        /// The eye's vertical.
+        up: [f32; 3],
+        /// Weight of how far below the eye a place lies, in the orientation term; 0 without the term.
+        height_weight: f32,
+        /// Weight of how far aside it lies.
+        side_weight: f32,
         /// A vertex is awake within this times its wake: `scale`, or MORPH_REACH times that with geomorphs.
         reach: f32,
         /// 1 / (reach - scale): how fast a vertex slides to its parent's place beyond `scale`. 0 without geomorphs.

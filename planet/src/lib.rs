@@ -10,6 +10,7 @@ pub mod ground;
 pub mod heightfield;
 pub mod lattice;
 pub mod layout;
+pub mod orientation;
 pub mod patch;
 pub mod planet;
 pub mod progressive;

@@ -112,6 +112,11 @@ impl Planet {
         (0..MAX_LEVEL).find(|&level| spacing(level) <= metres).unwrap_or(MAX_LEVEL)
     }
 
+    /// Distance from the planet's centre, in lattice units, within which there is no ground.
+    pub fn ground_radius(&self) -> f64 {
+        (self.recipe.radius + self.terrain.height_range().0) / self.lattice.unit - 2.0
+    }
+
     /// Terrain on the lattice.
     pub fn ground(&self) -> Ground<'_> {
         Ground { elevation: &self.terrain, lattice: self.lattice, cells: self.cells }

@@ -2,12 +2,20 @@
 
 use crate::lattice::{Lattice, EXTENT};
 use crate::layout::FrameView;
+use crate::orientation::Orientation;
 use crate::wake::MORPH_REACH;
 use crate::KAPPA;
 use glam::{DMat3, DVec3, IVec3, Mat4, Vec3, Vec4};
 
 /// Largest weight of the distance outside the frustum.
 const MOST_FALLOFF: f64 = 3.0;
+
+/// Share of what the scale leaves beyond the slope of a plain distance that goes to the orientation term; the rest stays with the
+/// falloff. Measured on the descent: with more of it more vertices wake beside the frustum than fall asleep below the eye.
+const ORIENTATION_SHARE: f64 = 0.25;
+
+/// Steepest orientation term: rounding in single precision grows with it (see [`crate::wake::PROPAGATION_MARGIN`]).
+const STEEPEST: f64 = 4.0;
 
 /// Near plane in metres: nearer than any ground in view. Reversed floating-point depth is as precise with a small one as with a large one.
 pub const NEAR: f32 = 0.1;
@@ -84,6 +92,10 @@ pub struct View {
     pub falloff: f64,
     /// Outward unit normals of the frustum's sides (left, right, bottom, top) and backwards; all planes pass through the eye.
     pub planes: [DVec3; 5],
+    /// The orientation term, if it is wanted and changes anything.
+    pub orientation: Option<Orientation>,
+    /// Whether patches wholly below the horizon are left out.
+    pub horizon: bool,
     /// The same numbers as the GPU sees them.
     pub gpu: FrameView,
 }
@@ -106,6 +118,9 @@ impl View {
             scale: scale as f32,
             planes: planes.map(|p| p.as_vec3().to_array()),
             falloff: falloff as f32,
+            up: [0.0; 3],
+            height_weight: 0.0,
+            side_weight: 0.0,
             reach: reach as f32,
             morph_rate: (1.0 / (reach - scale)) as f32,
             cells,
@@ -114,7 +129,37 @@ impl View {
             near: NEAR,
             clip: clip_matrix(&camera, NEAR).to_cols_array_2d(),
         };
-        View { camera, eye, tolerance, scale, reach, falloff, planes, gpu }
+        View { camera, eye, tolerance, scale, reach, falloff, planes, orientation: None, horizon: true, gpu }
+    }
+
+    /// The same view in which vertices out of sight are awake like others.
+    pub fn without_falloff(self) -> View {
+        self.with_falloff(0.0)
+    }
+
+    /// The same view with all patches in the frustum, those below the horizon too.
+    pub fn without_horizon(mut self) -> View {
+        self.horizon = false;
+        self
+    }
+
+    /// The same view with the orientation term, on a planet whose ground is nowhere nearer to its centre than `ground` lattice units.
+    /// Its errors are certified as seen, not as if each were seen from the side. Without effect from far up, and at a `scale` of 1.
+    pub fn with_orientation(self, ground: f64) -> View {
+        let slope = (1.0 + ORIENTATION_SHARE * (self.scale - 1.0)).min(STEEPEST);
+        let Some(term) = Orientation::new(self.eye, ground, slope) else { return self };
+        let mut view = self.with_falloff((self.scale - term.slope()).clamp(0.0, MOST_FALLOFF));
+        view.orientation = Some(term);
+        view.gpu.up = term.up.as_vec3().to_array();
+        view.gpu.height_weight = term.height as f32;
+        view.gpu.side_weight = term.side as f32;
+        view
+    }
+
+    fn with_falloff(mut self, falloff: f64) -> View {
+        self.falloff = falloff;
+        self.gpu.falloff = falloff as f32;
+        self
     }
 
     /// The same view drawing every triangle.

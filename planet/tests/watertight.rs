@@ -55,6 +55,37 @@ fn every_view_is_watertight_unflipped_and_closed() {
     }
 }
 
+/// Views near the ground that the orientation term changes.
+fn oriented(planet: &Planet, field: &TestField) -> Vec<View> {
+    let ground = planet.tree.lattice.radius + f64::from(planet.tree.lowest);
+    let finer = views(planet, field, 80).into_iter().map(|view| {
+        let finer = View::new(view.camera, &planet.tree.lattice, planet.tree.cells, 0.4 * view.tolerance);
+        finer.without_culling().with_orientation(ground)
+    });
+    finer.filter(|view| view.orientation.is_some()).collect()
+}
+
+#[test]
+fn the_orientation_term_keeps_the_surface_closed() {
+    let field = TestField { radius: 300_000.0, roughness: 0.02, ridged: true, seed: 5 };
+    let planet = planet(&field, 16);
+    let views = oriented(&planet, &field);
+    let (mut fewer, mut steeper_violations) = (0, 0);
+    for (k, view) in views.iter().enumerate() {
+        let cut = cut(&planet.tree, view, &|_| true);
+        let (report, violations) = draw(&planet, view, &cut, false);
+        let clean = SurfaceReport { triangles: report.triangles, ..Default::default() };
+        assert_eq!((report, violations), (clean, 0), "view {k}: {:?} {:?}", view.camera, view.orientation);
+        let plain = View::new(view.camera, &planet.tree.lattice, planet.tree.cells, view.tolerance).without_culling();
+        fewer += usize::from(draw(&planet, &plain, &cut, false).0.triangles > report.triangles);
+        let mut steeper = *view;
+        steeper.gpu.height_weight *= 4.0;
+        steeper_violations += draw(&planet, &steeper, &cut, false).1;
+    }
+    assert!(views.len() > 20 && fewer > 3, "{} views, {fewer} with fewer triangles", views.len());
+    assert!(steeper_violations > 0, "the closure check cannot fail");
+}
+
 #[test]
 fn forgetting_the_coarser_sides_cracks_the_surface() {
     let field = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };

@@ -43,6 +43,9 @@ struct FrameView {
     float scale;
     vec3 planes[5];
     float falloff;
+    vec3 up;
+    float height_weight;
+    float side_weight;
     float reach;
     float morph_rate;
     uint cells;

@@ -49,6 +49,7 @@ pub(super) struct Flight {
     look: Look,
     tolerance: f64,
     geomorphs: bool,
+    orientation: bool,
     /// Of the latest frame; while frozen, of the frame that stays.
     tables: Option<FrameTables>,
     selection: Selection,
@@ -80,6 +81,7 @@ impl Flight {
             look: options.look,
             tolerance: options.tolerance,
             geomorphs: options.geomorphs,
+            orientation: options.orientation,
             tables: None,
             selection: Selection::Follows,
             uploads: UPLOADS_PER_FRAME.0,
@@ -192,10 +194,11 @@ impl Flight {
     fn view(&self) -> View {
         let camera = self.viewer.pose.camera(&self.viewer.lens);
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
-        if self.geomorphs {
-            view
+        let view = if self.geomorphs { view } else { view.without_geomorphs() };
+        if self.orientation {
+            view.with_orientation(self.scene.planet().ground_radius())
         } else {
-            view.without_geomorphs()
+            view
         }
     }
 

@@ -79,6 +79,8 @@ pub struct FlyOptions {
     pub tolerance: f64,
     /// Whether vertices slide into their places.
     pub geomorphs: bool,
+    /// Whether errors count as they are seen, see [`terrane_planet::orientation`].
+    pub orientation: bool,
     /// What the scene may use and build.
     pub scene: SceneOptions,
     /// Takes screenshots.

@@ -40,6 +40,9 @@ use tonemap::Tonemap;
 /// Names of the GPU zones of a frame, in order (`lines` only in wire mode).
 pub const STAGES: [&str; 8] = ["select", "resolve", "emit", "draw", "ocean", "lines", "sky", "tonemap"];
 
+/// How many of them, from the first, make the mesh.
+pub const MESH_STAGES: usize = 3;
+
 /// Pipelines, targets and buffers of all stages.
 pub struct Renderer {
     select: Select,

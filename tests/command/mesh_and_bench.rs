@@ -133,7 +133,7 @@ fn comparisons_bring_every_method_to_the_same_error() {
         format!("{{\"time_s\":{time},\"latitude\":10,\"longitude\":20,\"altitude_m\":{altitude},\"heading\":30,\"pitch\":{pitch},\"fov\":50}}")
     };
     std::fs::write(folder.path().join("p.json"), format!("[{},{}]", key(0, 40_000, -90), key(9, 1500, -20))).unwrap();
-    let arguments = ["compare", "tiny.planet", "--path", "p.json", "--frames", "2", "--size", "320x180", "--json", "c.json"];
+    let arguments = ["compare", "tiny.planet", "--path", "p.json", "--frames", "2", "--size", "1280x720", "--json", "c.json"];
     let output = terrane(&[&arguments[..], &["--pixels", "500", "--block", "2"]].concat(), folder.path());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     let result = json(&std::fs::read(folder.path().join("c.json")).unwrap());

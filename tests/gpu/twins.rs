@@ -17,8 +17,11 @@ fn gpu_stages_equal_their_twins() {
     // The next test looks for this line.
     println!("subgroups of {} on {}", context.device_info().subgroup_size, context.device_info().driver);
     let mut bench = Bench::new(&context);
-    let (mut all, mut mixed) = (VerifyReport::default(), 0);
+    let (mut all, mut mixed, mut oriented) = (VerifyReport::default(), 0, 0);
+    let ground = bench.scene.planet().ground_radius();
     for (k, view) in random_views(&bench.scene, 3, VIEWS, &TOLERANCES).iter().enumerate() {
+        let view = &if k % 2 == 1 { view.with_orientation(ground) } else { *view };
+        oriented += usize::from(view.orientation.is_some());
         let report = bench.verifier.check(&mut bench.scene, &mut bench.headless, view).unwrap();
         assert_eq!((report.mismatches, report.cracks), (Mismatches::default(), 0), "view {k}: {:?}", view.camera);
         assert!(report.triangles > 100 && report.awake_vertices > 50, "view {k} proves nothing: {report:?}");
@@ -27,6 +30,7 @@ fn gpu_stages_equal_their_twins() {
     }
     assert_eq!(all.broken_promises(), [""; 0]);
     assert!(mixed > 0, "no view mixed levels");
+    assert!(oriented > 0, "no view had an orientation term");
     assert!(all.triangles_after_culling > 1000 && 2 * all.triangles_after_culling < all.triangles, "{all:?}");
 }
 

@@ -5,6 +5,7 @@
 mod commands;
 mod compare;
 mod study;
+mod svg;
 
 use clap::Parser;
 use std::io::IsTerminal;

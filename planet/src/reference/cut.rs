@@ -43,7 +43,8 @@ pub fn texture_distance(tree: &PatchTree, view: &View, level: u8) -> f64 {
 /// Lower bound of the selection distance (to the eye, plus falloff times distance outside the frustum) over a box.
 pub fn distance_to_box(view: &View, bounds: &LatticeBox) -> f64 {
     let (nearest, outside) = nearest_and_outside(view, bounds);
-    nearest + view.falloff * outside
+    let oriented = view.orientation.map_or(0.0, |term| term.least(bounds, view.eye));
+    nearest.max(oriented) + view.falloff * outside
 }
 
 /// Distance from the eye to a box, and how far the whole box lies outside the frustum, at least.
@@ -163,6 +164,9 @@ pub fn is_visible(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
 }
 
 fn below_horizon(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
+    if !view.horizon {
+        return false;
+    }
     let ball = tree.lattice.radius + f64::from(tree.lowest) - 2.0;
     let distance = view.eye.length();
     let highest = tree.lattice.radius + f64::from(node.highest) + 2.0;

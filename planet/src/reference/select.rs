@@ -55,8 +55,23 @@ pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) 
     if reach <= 0.0 || squared >= reach * reach {
         return None;
     }
-    let slide = ((squared.sqrt() + falloff) / wake - view.scale) * view.morph_rate;
+    let oriented = if view.height_weight > 0.0 { oriented_distance(view, p) } else { 0.0 };
+    if oriented >= reach {
+        return None;
+    }
+    let distance = squared.sqrt().max(oriented);
+    let slide = ((distance + falloff) / wake - view.scale) * view.morph_rate;
     Some(slide.clamp(0.0, 1.0))
+}
+
+/// The orientation term's part of the selection distance, see [`crate::orientation`].
+#[inline]
+fn oriented_distance(view: &FrameView, p: Vec3) -> f32 {
+    let up = view.up;
+    let below = -dot(p, up);
+    let across = Vec3::new(p.y * up[2] - p.z * up[1], p.z * up[0] - p.x * up[2], p.x * up[1] - p.y * up[0]);
+    let aside = (across.x * across.x + across.y * across.y + across.z * across.z).sqrt();
+    view.height_weight * below - view.side_weight * aside
 }
 
 /// Selects among the first `vertices.len()` vertices of a patch.

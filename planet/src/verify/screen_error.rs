@@ -7,7 +7,7 @@
 //! finer resident patches than the drawn ones; of both, those inside the frustum that the planet's horizon does not hide
 //! (hills hide nothing: stricter than what is seen). Through each place a ray from the planet's centre meets both surfaces;
 //! their distance over that of the nearer one to the camera is the error, in radians and then in pixels of the
-//! picture's middle.
+//! picture's middle; in views with the orientation term it is the angle between the two.
 
 use super::error_readings::{ErrorReadings, Probe, Reading};
 use super::finest::FinestSurface;
@@ -226,11 +226,15 @@ impl Judge<'_, '_> {
             return;
         };
         let direction = place.normalize();
-        let distance =
-            [drawn, finest].map(|radius| self.view.eye.distance(direction * radius)).into_iter().fold(f64::MAX, f64::min);
+        let [a, b] = [drawn, finest].map(|radius| direction * radius - self.view.eye);
+        let distance = a.length().min(b.length());
+        let radians = match self.view.orientation {
+            None => (drawn - finest).abs() / distance,
+            Some(_) => a.cross(b - a).length() / (a.length() * b.length()),
+        };
         let unit = self.tree.lattice.unit;
         let reading = Reading {
-            pixels: (drawn - finest).abs() / distance / self.view.camera.pixel_angle(),
+            pixels: radians / self.view.camera.pixel_angle(),
             patch: self.drawn[hit.k].leaf.id,
             probe,
             direction,

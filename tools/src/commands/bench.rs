@@ -1,11 +1,15 @@
 //! `terrane bench`: what the frames of a camera path cost.
 
+mod percentiles;
+mod savings;
+
 use super::paths::load_path;
 use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
-use hdrhistogram::Histogram;
+use percentiles::{summarise, Line};
+use savings::VARIANTS;
 use serde_json::{json, Value};
 use std::path::PathBuf;
 use terrane::frame::STAGES;
@@ -16,9 +20,6 @@ use terrane::vulkan::GpuInfo;
 use terrane_planet::camera_path::Keyframe;
 use terrane_planet::sphere::direction_at;
 use terrane_planet::view::{View, TOLERANCE_RANGE};
-
-/// Longest time that histograms hold, in microseconds; longer ones count as this.
-const LONGEST_US: u64 = 600_000_000;
 
 /// Measure the frames along a camera path: steady costs, after the patches of each frame have been loaded.
 ///
@@ -44,6 +45,9 @@ pub(crate) struct Bench {
     /// Largest error of the mesh in pixels.
     #[arg(long, value_name = "PX", default_value_t = 1.0)]
     error: f64,
+    /// Draw every frame again without each of selection's economies, and with the orientation term, and show what that changes.
+    #[arg(long)]
+    savings: bool,
     #[command(flatten)]
     mesh: MeshOptions,
     #[command(flatten)]
@@ -69,19 +73,29 @@ impl Run for Bench {
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
         for _ in 0..self.warmup {
-            self.measure(&mut scene, &mut headless, &path.at(first))?;
+            self.measure(&mut scene, &mut headless, &path.at(first), |view, _| view)?;
         }
-        let mut rows = Vec::new();
+        let variants = if self.savings { &VARIANTS[..] } else { &VARIANTS[..1] };
+        let (mut stands, mut costs) = (Vec::new(), vec![Vec::new(); variants.len()]);
         for frame in 0..self.frames {
             let stand = path.at(first + step * f64::from(frame));
-            rows.push((stand, self.measure(&mut scene, &mut headless, &stand)?));
+            for ((_, change), costs) in variants.iter().zip(&mut costs) {
+                costs.push(self.measure(&mut scene, &mut headless, &stand, *change)?);
+            }
+            stands.push(stand);
         }
-        let costs: Vec<FrameCost> = rows.iter().map(|(_, cost)| *cost).collect();
-        let summary = summarise(&costs)?;
+        let summary = summarise(&costs[0])?;
         let device = context.device_info();
         print_table(&summary, device, &self);
+        if self.savings {
+            savings::print(&costs);
+        }
         if let Some(out) = &self.json {
-            let text = serde_json::to_string_pretty(&self.report(device, &summary, &rows))?;
+            let mut report = self.report(device, &summary, &stands, &costs[0]);
+            if self.savings {
+                report["savings"] = savings::report(&costs);
+            }
+            let text = serde_json::to_string_pretty(&report)?;
             pictures::write_whole(out, text.as_bytes()).with_context(|| format!("cannot write the results {}", out.display()))?;
         }
         self.gpu.report_messages(&context)?;
@@ -90,14 +104,21 @@ impl Run for Bench {
 }
 
 impl Bench {
-    fn measure(&self, scene: &mut Scene, headless: &mut Headless, stand: &Keyframe) -> anyhow::Result<FrameCost> {
-        let camera = camera_over(scene.planet(), stand, self.size);
-        let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.error));
+    fn measure(
+        &self,
+        scene: &mut Scene,
+        headless: &mut Headless,
+        stand: &Keyframe,
+        change: savings::Change,
+    ) -> anyhow::Result<FrameCost> {
+        let planet = scene.planet();
+        let camera = camera_over(planet, stand, self.size);
+        let view = change(self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), planet), planet);
         let look = self.look.look(direction_at(stand.latitude, stand.longitude));
         Ok(measure_frame(scene, headless, &view, &look)?)
     }
 
-    fn report(&self, device: &GpuInfo, summary: &[Line], rows: &[(Keyframe, FrameCost)]) -> Value {
+    fn report(&self, device: &GpuInfo, summary: &[Line], stands: &[Keyframe], costs: &[FrameCost]) -> Value {
         let percentiles: serde_json::Map<_, _> = summary
             .iter()
             .map(|l| {
@@ -108,9 +129,9 @@ impl Bench {
             "device": device.name, "driver": device.driver, "driver_info": device.driver_info,
             "commit": env!("TERRANE_COMMIT"), "version": env!("CARGO_PKG_VERSION"),
             "planet": self.file, "path": self.path, "size": self.size, "tolerance_px": self.error,
-            "geomorphs": self.mesh.geomorphs(),
+            "geomorphs": self.mesh.geomorphs(), "orientation": self.mesh.orientation(),
             "frames": self.frames, "warmup": self.warmup, "summary": percentiles,
-            "rows": rows.iter().map(|(stand, cost)| row(stand, cost)).collect::<Vec<_>>(),
+            "rows": stands.iter().zip(costs).map(|(stand, cost)| row(stand, cost)).collect::<Vec<_>>(),
         })
     }
 }
@@ -128,51 +149,6 @@ fn row(stand: &Keyframe, c: &FrameCost) -> Value {
     })
 }
 
-/// Percentiles of one quantity: 50, 95, 99 and the largest.
-struct Line {
-    name: String,
-    at: [f64; 4],
-    frames: usize,
-}
-
-/// A quantity of a frame; `None` where a frame lacks it.
-type Quantity = (String, Box<dyn Fn(&FrameCost) -> Option<f64>>);
-
-fn quantities() -> Vec<Quantity> {
-    let plain = |name: &str, value: fn(&FrameCost) -> f64| -> Quantity { (name.to_owned(), Box::new(move |c| Some(value(c)))) };
-    let stage = |(k, name): (usize, &&str)| -> Quantity { (format!("gpu {name} ms"), Box::new(move |c| c.stages_ms[k])) };
-    let mut all =
-        vec![plain("cpu cut ms", |c| c.cut_ms), plain("cpu tables ms", |c| c.tables_ms), plain("cpu record ms", |c| c.record_ms)];
-    all.extend(STAGES.iter().enumerate().map(stage));
-    all.extend([
-        plain("gpu wall ms", |c| c.gpu_wall_ms),
-        plain("frame ms", |c| c.frame_ms),
-        plain("settle ms (apart)", |c| c.settle_ms),
-        plain("triangles", |c| f64::from(c.triangles)),
-        plain("awake vertices", |c| f64::from(c.awake)),
-        plain("prefix vertices", |c| f64::from(c.prefix_vertices)),
-        plain("candidate triangles", |c| f64::from(c.candidate_triangles)),
-        plain("patches", |c| c.patches as f64),
-        plain("resident patches", |c| c.resident as f64),
-    ]);
-    all
-}
-
-/// Percentiles of all quantities. Times are kept in microseconds to three digits.
-fn summarise(costs: &[FrameCost]) -> anyhow::Result<Vec<Line>> {
-    let mut lines = Vec::new();
-    for (name, value) in quantities() {
-        let scale = if name.contains(" ms") { 1e3 } else { 1.0 };
-        let mut histogram = Histogram::<u64>::new_with_bounds(1, LONGEST_US, 3)?;
-        for ms in costs.iter().filter_map(value) {
-            histogram.saturating_record((ms * scale).round() as u64);
-        }
-        let at = [0.50, 0.95, 0.99, 1.0].map(|q| histogram.value_at_quantile(q) as f64 / scale);
-        lines.push(Line { name, at, frames: histogram.len() as usize });
-    }
-    Ok(lines)
-}
-
 fn print_table(summary: &[Line], device: &GpuInfo, bench: &Bench) {
     let [width, height] = bench.size;
     println!("{} ({} {})", device.name, device.driver, device.driver_info);
@@ -181,13 +157,12 @@ fn print_table(summary: &[Line], device: &GpuInfo, bench: &Bench) {
         bench.frames,
         bench.path.display(),
         bench.error,
-        if bench.mesh.geomorphs() { "" } else { ", no geomorphs" },
+        bench.mesh.describe(),
         env!("TERRANE_COMMIT")
     );
     println!("{:<20} {:>12} {:>12} {:>12} {:>12}", "", "p50", "p95", "p99", "max");
     for line in summary.iter().filter(|l| l.frames > 0) {
-        let digits = if line.name.contains(" ms") { 3 } else { 0 };
-        let [p50, p95, p99, max] = line.at.map(|v| format!("{v:.digits$}"));
+        let [p50, p95, p99, max] = line.at.map(|v| format!("{v:.digits$}", digits = line.digits));
         println!("{:<20} {p50:>12} {p95:>12} {p99:>12} {max:>12}", line.name);
     }
 }

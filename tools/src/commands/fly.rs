@@ -42,6 +42,7 @@ impl Run for Fly {
             look: self.look.look(self.camera.place()),
             tolerance: self.camera.error,
             geomorphs: self.mesh.geomorphs(),
+            orientation: self.mesh.orientation(),
             save: Box::new(move |size, pixels| save(&folder, size, pixels).map_err(|error| format!("not saved: {error:#}"))),
         });
         let reported = report_messages(&report.messages);

@@ -37,6 +37,7 @@ commands! {
     compare => Compare,
     fly => Fly,
     gpus => Gpus,
+    growth => Growth,
     info => Info,
     mesh => Mesh,
     shot => Shot,

@@ -41,7 +41,7 @@ impl Run for Shot {
         let context = self.gpu.context()?;
         let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
         let camera = self.camera.camera(scene.planet())?;
-        let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error));
+        let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error), scene.planet());
         let look = self.look.look(self.camera.place());
         let cut = scene.settle(&view)?;
         let [width, height] = camera.size;

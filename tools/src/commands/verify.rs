@@ -63,7 +63,7 @@ impl Run for Verify {
         let mut headless = Headless::new(&context, SIZE)?;
         let mut verifier = Verifier::new(&self.file, &scene)?;
         let views = random_views(&scene, self.seed, self.views as usize, &self.error);
-        let views: Vec<View> = views.into_iter().map(|view| self.mesh.apply(view)).collect();
+        let views: Vec<View> = views.into_iter().map(|view| self.mesh.apply(view, scene.planet())).collect();
         let progress = Progress::new(views.len());
         let (mut report, mut errors) = (VerifyReport::default(), ScreenErrors::default());
         for (k, view) in views.iter().enumerate() {

@@ -135,6 +135,9 @@ pub(crate) struct MeshOptions {
     /// Let vertices jump into their places when they wake, instead of sliding there.
     #[arg(long)]
     no_geomorphs: bool,
+    /// Count errors as they are seen: fewer triangles where the ground is seen from above.
+    #[arg(long)]
+    orientation: bool,
 }
 
 impl MeshOptions {
@@ -143,10 +146,22 @@ impl MeshOptions {
         !self.no_geomorphs
     }
 
+    /// Whether errors count as they are seen.
+    pub(crate) fn orientation(self) -> bool {
+        self.orientation
+    }
+
+    /// What differs from the usual, to be read after a list.
+    pub(crate) fn describe(self) -> String {
+        let parts = [(self.no_geomorphs, ", no geomorphs"), (self.orientation, ", orientation term")];
+        parts.into_iter().filter(|(given, _)| *given).map(|(_, words)| words).collect()
+    }
+
     /// A view as these options want it.
-    pub(crate) fn apply(self, view: View) -> View {
-        if self.no_geomorphs {
-            view.without_geomorphs()
+    pub(crate) fn apply(self, view: View, planet: &Planet) -> View {
+        let view = if self.no_geomorphs { view.without_geomorphs() } else { view };
+        if self.orientation {
+            view.with_orientation(planet.ground_radius())
         } else {
             view
         }

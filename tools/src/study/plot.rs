@@ -2,6 +2,7 @@
 //! square ones on the right. SVG by hand: it has nothing but lines and words.
 
 use super::Series;
+use crate::svg::{self, dot, label, logarithmic, polyline, rule, title};
 use std::fmt::Write as _;
 use terrane_planet::classic::Cost;
 use terrane_planet::heightfield::Deviation;
@@ -35,12 +36,7 @@ type Measure = fn(&Deviation) -> f64;
 
 /// Draws the plot.
 pub(crate) fn draw(all: &[Series]) -> String {
-    let [width, height] = SIZE;
-    let mut svg = format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {width} {height}\" width=\"{width}\" height=\"{height}\" \
-         font-family=\"Helvetica, Arial, sans-serif\" font-size=\"13\" fill=\"#222\">\n\
-         <rect width=\"{width}\" height=\"{height}\" fill=\"#fff\"/>\n"
-    );
+    let mut svg = svg::open(SIZE);
     let panels: [(&str, Measure); 2] = [("Largest error", |d| d.max), ("Root mean square error", |d| d.rms)];
     for (left, (title, error)) in LEFTS.into_iter().zip(panels) {
         let panel = Panel { left };
@@ -61,14 +57,14 @@ struct Panel {
 
 impl Panel {
     fn x(&self, faces: f64) -> f64 {
-        self.left + PANEL[0] * (faces / FACES[0]).ln() / (FACES[1] / FACES[0]).ln()
+        logarithmic(faces, FACES, [self.left, self.left + PANEL[0]])
     }
 
     fn y(error: f64) -> f64 {
-        TOP + PANEL[1] * (ERRORS[1] / error).ln() / (ERRORS[1] / ERRORS[0]).ln()
+        logarithmic(error, ERRORS, [TOP + PANEL[1], TOP])
     }
 
-    fn axes(&self, svg: &mut String, title: &str) {
+    fn axes(&self, svg: &mut String, name: &str) {
         let (left, right, bottom) = (self.left, self.left + PANEL[0], TOP + PANEL[1]);
         for faces in [10, 30, 100, 300, 1000, 3000] {
             let x = self.x(f64::from(faces));
@@ -83,7 +79,7 @@ impl Panel {
         rule(svg, [left, bottom], [right, bottom], "#444");
         rule(svg, [left, TOP], [left, bottom], "#444");
         label(svg, [(left + right) / 2.0, bottom + 38.0], "middle", "faces");
-        _ = writeln!(svg, "<text x=\"{left:.1}\" y=\"{:.1}\" font-size=\"15\" font-weight=\"bold\">{title}</text>", TOP - 14.0);
+        title(svg, [left, TOP - 14.0], name);
     }
 
     /// A line as long as it stays on the axes, with dots at the pictured meshes.
@@ -91,19 +87,11 @@ impl Panel {
         let within = |[low, high]: [f64; 2], value: f64| (low..=high).contains(&value);
         let seen = |&(faces, error): &(usize, f64)| within(FACES, faces as f64) && within(ERRORS, error);
         let points = series.line.iter().map(|(faces, deviation)| (*faces, error(deviation)));
-        let points: Vec<String> =
-            points.filter(seen).map(|(faces, error)| format!("{:.1},{:.1}", self.x(faces as f64), Panel::y(error))).collect();
         let color = color(series.cost);
-        _ = writeln!(
-            svg,
-            "<polyline points=\"{}\" fill=\"none\" stroke=\"{color}\" stroke-width=\"2.2\" stroke-linejoin=\"round\"/>",
-            points.join(" ")
-        );
+        let place = |(faces, error): (usize, f64)| [self.x(faces as f64), Panel::y(error)];
+        polyline(svg, points.filter(seen).map(place), color);
         let dots = series.pictured.iter().map(|sample| (sample.surface.faces.len(), error(&sample.deviation)));
-        for (faces, error) in dots.filter(seen) {
-            let (x, y) = (self.x(faces as f64), Panel::y(error));
-            _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.6\" fill=\"{color}\"/>");
-        }
+        dots.filter(seen).for_each(|sample| dot(svg, place(sample), color));
     }
 }
 
@@ -113,17 +101,9 @@ fn legend(svg: &mut String, all: &[Series]) {
         let x = LEFTS[0] + 120.0 * place as f64;
         let (y, color) = (SIZE[1] - 18.0, color(series.cost));
         _ = writeln!(svg, "<path d=\"M{x:.1} {y:.1}h26\" stroke=\"{color}\" stroke-width=\"2.2\"/>");
-        _ = writeln!(svg, "<circle cx=\"{:.1}\" cy=\"{y:.1}\" r=\"3.6\" fill=\"{color}\"/>", x + 13.0);
+        dot(svg, [x + 13.0, y], color);
         label(svg, [x + 33.0, y + 4.5], "start", series.cost.name());
     }
-}
-
-fn rule(svg: &mut String, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], color: &str) {
-    _ = writeln!(svg, "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{color}\"/>");
-}
-
-fn label(svg: &mut String, [x, y]: [f64; 2], anchor: &str, text: &str) {
-    _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>");
 }
 
 #[cfg(test)]
