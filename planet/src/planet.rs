@@ -10,6 +10,7 @@ use crate::simplify::builder::Faults;
 use crate::store::PlanetHeader;
 use crate::terrain::Terrain;
 use crate::texture::PatchTexture;
+use crate::tree::{PatchFacts, PatchTree};
 use glam::DVec3;
 use thiserror::Error;
 
@@ -110,6 +111,12 @@ impl Planet {
     pub fn level_of_spacing(&self, metres: f64) -> u8 {
         let spacing = |level: u8| self.lattice.sample_spacing(self.cells, level) * self.lattice.unit;
         (0..MAX_LEVEL).find(|&level| spacing(level) <= metres).unwrap_or(MAX_LEVEL)
+    }
+
+    /// What is known of this planet's patches.
+    pub fn tree(&self, facts: impl IntoIterator<Item = PatchFacts>) -> PatchTree {
+        let lowest = self.recipe.sea.as_ref().map_or(f64::MIN, |sea| sea.level_m).max(self.terrain.height_range().0);
+        PatchTree::new(self.lattice, self.cells, lowest / self.lattice.unit, facts)
     }
 
     /// Distance from the planet's centre, in lattice units, within which there is no ground.

@@ -43,8 +43,8 @@ impl From<&PatchRecord> for PatchFacts {
 pub struct PatchNode {
     /// Box around its own vertices and those of whatever finer patches there may be.
     pub bounds: LatticeBox,
-    /// Highest of all these vertices, lattice units above the datum.
-    pub highest: i32,
+    /// Lowest and highest of all these vertices, lattice units above the datum.
+    pub heights: [i32; 2],
     /// A viewer nearer to `bounds` than this times the view's scale needs the children, seen or not: vertices that only they have are
     /// awake on the patch's sides, where seen patches may lie.
     pub closure_wake: f64,
@@ -63,7 +63,7 @@ impl From<PatchFacts> for PatchNode {
         let margin = (DEVIATION_BELOW * own.deviation).ceil() as i32;
         PatchNode {
             bounds: own.bounds.widened(margin),
-            highest: own.heights[1].saturating_add(margin),
+            heights: [own.heights[0].saturating_sub(margin), own.heights[1].saturating_add(margin)],
             closure_wake: MORPH_REACH * own.child_wake,
             detail_wake: own.deviation / (DEVIATION_SHARE * KAPPA),
             centre,
@@ -81,14 +81,17 @@ pub struct PatchTree {
     pub lattice: Lattice,
     /// Grid cells a side.
     pub cells: u32,
-    /// Lowest vertex of the planet, lattice units above the datum.
-    pub lowest: i32,
+    /// Radius in lattice units of a ball that is wholly inside the ground or the sea: it hides what is behind it.
+    pub hidden_radius: f64,
 }
 
 impl PatchTree {
-    /// The tree of stored patches.
-    pub fn new(lattice: Lattice, cells: u32, facts: impl IntoIterator<Item = PatchFacts>) -> PatchTree {
-        let mut tree = PatchTree { nodes: HashMap::new(), finest_built: None, lattice, cells, lowest: i32::MAX };
+    /// The tree of stored patches. `lowest` is a height in lattice units above the datum that no ground, or else the sea, is below:
+    /// it follows from the planet alone, or what is culled would depend on which patches are known.
+    pub fn new(lattice: Lattice, cells: u32, lowest: f64, facts: impl IntoIterator<Item = PatchFacts>) -> PatchTree {
+        // Rounding to the lattice, and straight edges between samples on the sea's own sphere.
+        let hidden_radius = lattice.radius + lowest - 2.0;
+        let mut tree = PatchTree { nodes: HashMap::new(), finest_built: None, lattice, cells, hidden_radius };
         facts.into_iter().for_each(|own| tree.insert(own));
         tree
     }
@@ -101,8 +104,14 @@ impl PatchTree {
 
     /// Adds a patch.
     pub fn insert(&mut self, own: PatchFacts) {
-        self.lowest = self.lowest.min(own.heights[0]);
         self.nodes.insert(own.id, own.into());
+    }
+
+    /// Forgets a patch that can be built again.
+    pub fn forget(&mut self, id: PatchId) {
+        if self.finest_built.is_some() {
+            self.nodes.remove(&id);
+        }
     }
 
     /// Whether a patch can give way to its children: they are all known, or can be built.

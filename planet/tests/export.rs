@@ -33,7 +33,7 @@ impl Tiny {
         let plan = BakePlan::new(planet.recipe.radius, 1, Some(region)).unwrap();
         let meshes: HashMap<_, _> = plan.patches.iter().map(|&id| (id, planet.build(id).0)).collect();
         let facts = meshes.values().map(PatchFacts::from);
-        let tree = PatchTree::new(planet.lattice, planet.cells, facts);
+        let tree = planet.tree(facts);
         Tiny { planet, tree, meshes }
     }
 

@@ -57,10 +57,9 @@ fn every_view_is_watertight_unflipped_and_closed() {
 
 /// Views near the ground that the orientation term changes.
 fn oriented(planet: &Planet, field: &TestField) -> Vec<View> {
-    let ground = planet.tree.lattice.radius + f64::from(planet.tree.lowest);
     let finer = views(planet, field, 80).into_iter().map(|view| {
         let finer = View::new(view.camera, &planet.tree.lattice, planet.tree.cells, 0.4 * view.tolerance);
-        finer.without_culling().with_orientation(ground)
+        finer.without_culling().with_orientation(planet.tree.hidden_radius)
     });
     finer.filter(|view| view.orientation.is_some()).collect()
 }

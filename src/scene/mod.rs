@@ -143,7 +143,7 @@ impl Scene {
         if missing > 0 && options.on_demand.is_none() {
             return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
         }
-        let mut tree = PatchTree::new(planet.lattice, planet.cells, records.iter().map(PatchFacts::from));
+        let mut tree = planet.tree(records.iter().map(PatchFacts::from));
         let mut most_patches = u32::try_from(records.len()).unwrap_or(u32::MAX);
         let mut keeper = None;
         if let Some(on_demand) = &options.on_demand {
@@ -354,6 +354,7 @@ impl Scene {
         let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame && !has_children(**id));
         let Some(oldest) = idle.min_by_key(|(id, p)| (p.last_used, **id)).map(|(id, _)| *id) else { return false };
         self.ground.known.remove(oldest);
+        self.tree.forget(oldest);
         if let Some(layer) = self.resident.remove(&oldest).and_then(|p| p.layer) {
             self.textures.release(layer);
         }

@@ -158,22 +158,22 @@ pub fn sides_beside(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> u8 {
     drawn_coarser.filter(holds).fold(0, |bits, side| bits | side.bit())
 }
 
-/// Whether any of a patch can be seen: inside the frustum, and not wholly below the horizon of the planet's lowest ground.
+/// Whether any of a patch can be seen: inside the frustum, and not wholly behind the ball that hides what is behind it.
 pub fn is_visible(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
     nearest_and_outside(view, &node.bounds).1 <= 0.0 && !below_horizon(tree, view, node)
 }
 
+/// Whether the ball that hides what is behind it hides a whole patch.
 fn below_horizon(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
-    if !view.horizon {
-        return false;
-    }
-    let ball = tree.lattice.radius + f64::from(tree.lowest) - 2.0;
-    let distance = view.eye.length();
-    let highest = tree.lattice.radius + f64::from(node.highest) + 2.0;
-    if distance <= ball || highest <= ball {
+    let (ball, distance) = (tree.hidden_radius, view.eye.length());
+    if !view.horizon || distance <= ball {
         return false;
     }
     let towards = (view.eye.dot(node.centre) / distance).clamp(-1.0, 1.0).acos();
     let nearest = towards - node.spread.min(1.0).acos() - 1e-9;
-    nearest > (ball / distance).acos() + (ball / highest).acos()
+    let [lowest, highest] = node.heights.map(|height| tree.lattice.radius + f64::from(height));
+    // What lies below the ball, under the sea, is hidden where it faces away; what rises above it, where lines to it touch the ball.
+    let sunk = (ball.min(lowest) / distance).max(-1.0).acos();
+    let risen = if highest > ball { (ball / distance).acos() + (ball / highest).acos() } else { 0.0 };
+    nearest > sunk.max(risen)
 }

@@ -4,7 +4,7 @@
 //! apart. The judge shares nothing with the builder but the file: it knows triangles and lattice positions only.
 //!
 //! Measured are the hits of camera rays through random pixels, every vertex of the drawn patches that sleeps or slides, and samples of
-//! finer resident patches than the drawn ones; of both, those inside the frustum that the planet's horizon does not hide
+//! finer resident patches than the drawn ones; of both, those inside the frustum that the planet's ball does not hide
 //! (hills hide nothing: stricter than what is seen). Through each place a ray from the planet's centre meets both surfaces;
 //! their distance over that of the nearer one to the camera is the error, in radians and then in pixels of the
 //! picture's middle; in views with the orientation term it is the angle between the two.
@@ -194,6 +194,9 @@ impl Judge<'_, '_> {
             let ray = Ray { origin: self.view.eye, direction: (camera.forward + across).normalize() };
             let Some(hit) = self.hit(&ray) else { continue };
             let place = ray.origin + ray.direction * hit.distance;
+            if !is_in_view(self.view, self.tree, place) {
+                continue;
+            }
             self.note(&mut error, Probe::Pixel, place, Some((place.length(), hit)), self.finest.radius(place)?);
         }
         Ok(error)
@@ -247,15 +250,14 @@ impl Judge<'_, '_> {
     }
 }
 
-/// Whether a place lies in the frustum of a view, and the line to it misses the ball inside the planet's lowest ground (hills hide
-/// nothing).
+/// Whether a place lies in the frustum of a view, and the line to it does not pass through the ball inside the planet's ground or sea
+/// (hills hide nothing).
 pub fn is_in_view(view: &View, tree: &PatchTree, place: DVec3) -> bool {
     let line = place - view.eye;
     if view.planes.iter().any(|plane| plane.dot(line) > 0.0) {
         return false;
     }
-    let ball = tree.lattice.radius + f64::from(tree.lowest);
     let lowest_at = -view.eye.dot(line) / line.length_squared();
-    let passes_under = (0.0..1.0).contains(&lowest_at) && (view.eye + line * lowest_at).length() < ball;
-    !passes_under || view.eye.length() <= ball
+    let passes_under = (0.0..1.0).contains(&lowest_at) && (view.eye + line * lowest_at).length() < tree.hidden_radius;
+    !passes_under || view.eye.length() <= tree.hidden_radius
 }

@@ -33,7 +33,8 @@ pub(crate) fn planet(field: &TestField, cells: u32) -> Planet {
     }
     let patches: HashMap<_, _> = ids.into_iter().map(|id| (id, load(&ground, id))).collect();
     let facts = patches.values().map(|(p, _)| PatchFacts::from(&p.mesh));
-    Planet { tree: PatchTree::new(ground.lattice, cells, facts), patches }
+    let lowest = patches.values().map(|(p, _)| p.mesh.heights[0]).min().expect("six roots");
+    Planet { tree: PatchTree::new(ground.lattice, cells, f64::from(lowest), facts), patches }
 }
 
 fn load(ground: &Ground, id: PatchId) -> (LoadedPatch, Rings) {

@@ -12,7 +12,7 @@ use std::time::Instant;
 use terrane_planet::planet::Planet;
 use terrane_planet::sphere::place_of;
 use terrane_planet::store::PlanetFile;
-use terrane_planet::tree::{PatchFacts, PatchTree};
+use terrane_planet::tree::PatchFacts;
 use terrane_planet::view::{Camera, TOLERANCE_RANGE};
 
 /// Compare how many triangles different methods need for the same measured screen error. Needs no GPU.
@@ -62,7 +62,7 @@ impl Run for Compare {
         ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
-        let tree = PatchTree::new(planet.lattice, planet.cells, file.index()?.iter().map(PatchFacts::from));
+        let tree = planet.tree(file.index()?.iter().map(PatchFacts::from));
         let setting = Setting::new(tree, Box::new(move |id| file.mesh(id)));
         let effort = Effort { pixels: self.pixels as usize, block: self.block as usize };
         let mut paths = Vec::new();

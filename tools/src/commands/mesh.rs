@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use terrane_planet::export::{origin_near, view_surface, Format, Placed};
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
-use terrane_planet::tree::{PatchFacts, PatchTree};
+use terrane_planet::tree::PatchFacts;
 use terrane_planet::verify::LoadedPatch;
 use terrane_planet::view::View;
 
@@ -53,7 +53,7 @@ impl Run for Mesh {
         let format = Format::of(&self.out)?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
-        let tree = PatchTree::new(planet.lattice, planet.cells, file.index()?.iter().map(PatchFacts::from));
+        let tree = planet.tree(file.index()?.iter().map(PatchFacts::from));
         let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error);
         let surface = view_surface(&tree, &view, self.whole, |id| file.mesh(id).map(|m| LoadedPatch::new(m, &planet.lattice)))?;
         let origin = match (self.centre, format) {

@@ -9,7 +9,7 @@ use terrane_planet::patch::PatchId;
 use terrane_planet::planet::Planet;
 use terrane_planet::progressive::PatchMesh;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::tree::{PatchFacts, PatchTree};
+use terrane_planet::tree::PatchFacts;
 
 /// A small planet, all patches down to a level.
 pub(super) fn small_setting(cells: u32, levels: u8) -> Setting {
@@ -26,7 +26,7 @@ pub(super) fn small_setting(cells: u32, levels: u8) -> Setting {
     let ground = planet.ground();
     let build = |id| (id, PatchMesh::build(&ground, id, &HeightGrid::sample(&ground, id)).0);
     let meshes: HashMap<PatchId, PatchMesh> = ids.into_iter().map(build).collect();
-    let tree = PatchTree::new(planet.lattice, cells, meshes.values().map(PatchFacts::from));
+    let tree = planet.tree(meshes.values().map(PatchFacts::from));
     Setting::new(tree, Box::new(move |id| Ok(meshes[&id].clone())))
 }
 
