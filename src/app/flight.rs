@@ -207,6 +207,8 @@ impl Flight {
             height: self.viewer.height(&DrawnSurface::of_scene(&self.scene)),
             counters: self.counters,
             patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
+            awaited: self.scene.awaited(),
+            bytes: [self.scene.gpu_bytes(), self.scene.host_bytes()],
             device: &self.context.device_info().name,
             flying: self.viewer.flying,
             geomorphs: self.geomorphs,

@@ -28,6 +28,10 @@ pub(super) struct Status<'a> {
     pub(super) counters: EmitState,
     /// Patches drawn.
     pub(super) patches: usize,
+    /// Patches asked for that are not there yet.
+    pub(super) awaited: usize,
+    /// Bytes that patches take on the GPU, and in main memory; of each also the most they may take.
+    pub(super) bytes: [(u64, u64); 2],
     /// Name of the device.
     pub(super) device: &'a str,
     /// Whether the view is in free flight.
@@ -57,11 +61,14 @@ impl Overlay {
         let rate = if self.frame_seconds > 0.0 { 1.0 / self.frame_seconds } else { 0.0 };
         let rate = if rate < 9.95 { format!("{rate:.1}") } else { format!("{rate:.0}") };
         let mut text = format!(
-            "{}  {rate} fps  {} triangles  {} awake vertices  {} patches  {}\n",
+            "{}  {rate} fps  {} triangles  {} awake vertices  {} patches, {} to come  {} GPU, {} host  {}\n",
             distance(status.height),
             count(status.counters.wanted),
             count(status.counters.awake),
             status.patches,
+            status.awaited,
+            megabytes(status.bytes[0]),
+            megabytes(status.bytes[1]),
             // What follows in brackets is about the driver.
             status.device.split(" (").next().unwrap_or_default()
         );
@@ -106,6 +113,11 @@ fn distance(metres: f64) -> String {
         m if m < 1000e3 => format!("{:.1} km", m / 1e3),
         m => format!("{:.0} km", m / 1e3),
     }
+}
+
+/// Bytes taken of those allowed, in megabytes.
+fn megabytes((taken, most): (u64, u64)) -> String {
+    format!("{} of {} MB", taken / 1_000_000, most / 1_000_000)
 }
 
 fn count(number: u32) -> String {

@@ -6,6 +6,13 @@ use terrane_planet::patch::PatchId;
 use terrane_planet::query::KnownGround;
 use terrane_planet::reference::cut::Cut;
 
+/// Bytes of main memory that the ground of a resident patch takes at most: heights, what selection knows of its index levels, and the
+/// triangles of those that a ray came near.
+pub(super) fn bytes_of_patch(cells: u32) -> u64 {
+    let row = u64::from(cells) + 1;
+    24 * row * row + 16_384
+}
+
 /// Grids of the resident patches, and which of them are drawn.
 pub struct DrawnGround {
     /// The finest ground that can be drawn.

@@ -1,7 +1,8 @@
 //! Background workers that read or build patches, most urgent first. Requests that are no longer wanted are dropped.
 
+use super::resident::bytes_of_patch;
 use super::source::Source;
-use super::textures::TextureMips;
+use super::textures::{bytes_of_layer, TextureMips};
 use super::SceneError;
 use std::collections::HashSet;
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
@@ -14,6 +15,11 @@ use terrane_planet::verify::LoadedPatch;
 
 /// Least number of workers: reading and decoding alone keeps two busy.
 const LEAST_WORKERS: usize = 2;
+
+/// Bytes of main memory that a patch under way takes, about: as it is on the GPU, and half as much again while it is read or built.
+pub(super) fn bytes_under_way(cells: u32) -> u64 {
+    (bytes_of_patch(cells) + bytes_of_layer(cells)) * 3 / 2
+}
 
 /// A patch ready for upload.
 pub(super) struct Loaded {
@@ -36,6 +42,7 @@ struct Queue {
 struct Shared {
     queue: Mutex<Queue>,
     changed: Condvar,
+    most_under_way: usize,
 }
 
 /// The workers and their queue.
@@ -43,12 +50,14 @@ pub(super) struct Loader {
     shared: Arc<Shared>,
     arrivals: Receiver<Arrival>,
     workers: Vec<std::thread::JoinHandle<()>>,
+    /// Most patches that workers have taken and nobody has fetched: past it they wait.
+    pub(super) most_under_way: usize,
 }
 
 impl Loader {
     /// Starts the workers, one a processor, each with a source of its own.
-    pub(super) fn new(source: impl Fn() -> Result<Source, StoreError>) -> Result<Loader, SceneError> {
-        let shared = Arc::new(Shared { queue: Mutex::default(), changed: Condvar::new() });
+    pub(super) fn new(most_under_way: usize, source: impl Fn() -> Result<Source, StoreError>) -> Result<Loader, SceneError> {
+        let shared = Arc::new(Shared { queue: Mutex::default(), changed: Condvar::new(), most_under_way });
         let (sender, arrivals) = channel();
         let count = std::thread::available_parallelism().map_or(LEAST_WORKERS, usize::from).max(LEAST_WORKERS);
         let mut workers = Vec::new();
@@ -56,7 +65,7 @@ impl Loader {
             let worker = Worker { source: source()?, shared: shared.clone(), sender: sender.clone() };
             workers.push(std::thread::spawn(move || worker.run()));
         }
-        Ok(Loader { shared, arrivals, workers })
+        Ok(Loader { shared, arrivals, workers, most_under_way })
     }
 
     /// Replaces the wanted patches (id and urgency, smaller is more urgent).
@@ -94,8 +103,20 @@ impl Loader {
         }
     }
 
+    /// Patches that workers have taken and nobody has fetched.
+    pub(super) fn under_way(&self) -> usize {
+        self.shared.lock().under_way.len()
+    }
+
+    /// Patches that are wanted or under way.
+    pub(super) fn awaited(&self) -> usize {
+        let queue = self.shared.lock();
+        queue.wanted.len() + queue.under_way.len()
+    }
+
     fn accept(&self, (id, result): Arrival) -> Result<Loaded, SceneError> {
         self.shared.lock().under_way.remove(&id);
+        self.shared.changed.notify_one();
         Ok(result?)
     }
 }
@@ -123,9 +144,11 @@ impl Shared {
             if queue.closed {
                 return None;
             }
-            if let Some((id, _)) = queue.wanted.pop() {
-                queue.under_way.insert(id);
-                return Some(id);
+            if queue.under_way.len() < self.most_under_way {
+                if let Some((id, _)) = queue.wanted.pop() {
+                    queue.under_way.insert(id);
+                    return Some(id);
+                }
             }
             queue = self.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
         }

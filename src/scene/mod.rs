@@ -40,6 +40,12 @@ const UPLOAD_CHUNK: u64 = 8 << 20;
 /// Fewest patches on the GPU: the six whole faces, and the children of one.
 const LEAST_PATCHES: u32 = 10;
 
+/// Most patches under way to the GPU at a time.
+const MOST_UNDER_WAY: usize = 64;
+
+/// One in so many bytes of the host's budget is for patches under way.
+const HOST_SHARE_UNDER_WAY: u64 = 4;
+
 /// Updates for which nothing is asked for after a patch was turned away.
 const PATIENCE: u64 = 60;
 
@@ -94,6 +100,9 @@ pub struct SceneOptions {
     /// Most bytes of patches on the GPU: their vertices, triangle lists and textures. Room for the six whole faces and one set of
     /// children is always taken, and with textures there are at most as many patches as the device has image layers.
     pub gpu_bytes: u64,
+    /// Most bytes of main memory for patches: the ground of those on the GPU, for cameras, and those on their way there. Room for as
+    /// many patches as with the least on the GPU, and for one under way, is always taken.
+    pub host_bytes: u64,
     /// Whether to load textures (checks of the mesh do without).
     pub textures: bool,
     /// Whether and how to build what the file lacks.
@@ -103,13 +112,13 @@ pub struct SceneOptions {
 impl SceneOptions {
     /// Every patch that a view asks for, without textures: for checks of the mesh.
     pub fn whole_mesh() -> Self {
-        SceneOptions { gpu_bytes: u64::MAX, textures: false, on_demand: None }
+        SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, textures: false, on_demand: None }
     }
 }
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        SceneOptions { gpu_bytes: 2 << 30, textures: true, on_demand: None }
+        SceneOptions { gpu_bytes: 3 << 30, host_bytes: 1 << 30, textures: true, on_demand: None }
     }
 }
 
@@ -155,11 +164,15 @@ impl Scene {
         let most = if options.textures { context.limits().max_image_array_layers } else { u32::MAX };
         let bytes =
             resident::bytes_of_patch(planet.cells) + if options.textures { textures::bytes_of_layer(planet.cells) } else { 0 };
-        let capacity = u32::try_from(options.gpu_bytes / bytes).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches);
+        let under_way = usize::try_from(options.host_bytes / HOST_SHARE_UNDER_WAY / loader::bytes_under_way(planet.cells));
+        let under_way = under_way.unwrap_or(MOST_UNDER_WAY).clamp(1, MOST_UNDER_WAY);
+        let host_bytes = options.host_bytes - options.host_bytes / HOST_SHARE_UNDER_WAY;
+        let room = (options.gpu_bytes / bytes).min(host_bytes / drawn_ground::bytes_of_patch(planet.cells));
+        let capacity = u32::try_from(room).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches);
         let layers = if options.textures { capacity } else { 1 };
         let textures = TexturePool::new(context, planet.cells, layers)?;
         let tally = Arc::new(Tally::default());
-        let loader = Loader::new(|| {
+        let loader = Loader::new(under_way, || {
             let mut files = vec![PlanetFile::open(path)?];
             if let Some(side) = keeper.as_ref().and_then(|k| k.side.as_ref()) {
                 files.push(PlanetFile::open(side)?);
@@ -232,6 +245,20 @@ impl Scene {
         let meshes: u64 = self.resident.values().map(|patch| patch.buffer().bytes()).sum();
         let layers = if self.has_textures { self.capacity as u64 * textures::bytes_of_layer(self.planet.cells) } else { 0 };
         (meshes + layers, self.capacity as u64 * resident::bytes_of_patch(self.planet.cells) + layers)
+    }
+
+    /// Bytes of main memory that patches take at most while so many are on the GPU and under way, and the most they may take.
+    pub fn host_bytes(&self) -> (u64, u64) {
+        let ground = drawn_ground::bytes_of_patch(self.planet.cells);
+        let under_way = loader::bytes_under_way(self.planet.cells);
+        let [now, most] = [(self.resident.len(), self.loader.under_way()), (self.capacity, self.loader.most_under_way)];
+        let bytes = |(resident, moving): (usize, usize)| resident as u64 * ground + moving as u64 * under_way;
+        (bytes(now), bytes(most))
+    }
+
+    /// Patches asked for, and not yet on the GPU.
+    pub fn awaited(&self) -> usize {
+        self.loader.awaited()
     }
 
     /// How the patches were come by.

@@ -126,3 +126,21 @@ fn a_small_gpu_budget_fails_or_is_exceeded() {
         }
     }
 }
+
+#[test]
+fn a_small_host_budget_fails_or_is_exceeded() {
+    let Some(context) = device() else { return };
+    let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
+    let path = file(folder.path(), &planet, Some(0));
+    let mut whole = Scene::open(&context, &path, building(&planet, None)).unwrap();
+    for host_bytes in [0, 1_000_000] {
+        let mut tight = Scene::open(&context, &path, SceneOptions { host_bytes, ..building(&planet, None) }).unwrap();
+        for view in views(&planet) {
+            let (coarse, fine) = (drawn(&context, &mut tight, &view), drawn(&context, &mut whole, &view));
+            assert!(!coarse.is_empty() && coarse.len() < fine.len(), "{} of {} triangles", coarse.len(), fine.len());
+            let (used, most) = tight.host_bytes();
+            assert!(used <= most && tight.resident_count() < whole.resident_count(), "{used} of {most} bytes");
+            assert!(host_bytes == 0 || most <= host_bytes, "{most} bytes where {host_bytes} are allowed");
+        }
+    }
+}

@@ -87,7 +87,7 @@ fn summary(
         "prefix_vertices": report.tables.vertices, "candidate_triangles": report.tables.triangles,
         "triangles": report.counters.wanted, "dropped_triangles": report.counters.wanted.saturating_sub(report.counters.capacity),
         "patches_read": scene.tally().read, "patches_built": scene.tally().built, "build_s": scene.tally().build_s,
-        "resident_patches": scene.resident_count(), "patch_bytes_on_gpu": scene.gpu_bytes().0, "settled": scene.is_settled(),
+        "resident_patches": scene.resident_count(), "patch_bytes_on_gpu": scene.gpu_bytes().0, "patch_bytes_on_host": scene.host_bytes().0, "settled": scene.is_settled(),
         "stages_gpu_ms": stages, "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,
     })
 }

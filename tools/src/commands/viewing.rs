@@ -182,8 +182,12 @@ pub(crate) struct PatchOptions {
     #[arg(long, value_name = "MB", default_value_t = 2000)]
     cache: u64,
     /// Most megabytes of patches on the GPU; with fewer the picture is coarser.
-    #[arg(long, value_name = "MB", default_value_t = 2000)]
+    #[arg(long, value_name = "MB", default_value_t = 3000)]
     gpu_memory: u64,
+    /// Most megabytes of patches in main memory, on their way to the GPU and as the ground below the camera; with fewer the picture is
+    /// coarser, or comes more slowly.
+    #[arg(long, value_name = "MB", default_value_t = 1000)]
+    host_memory: u64,
 }
 
 impl PatchOptions {
@@ -194,7 +198,8 @@ impl PatchOptions {
         let side = directories::ProjectDirs::from("", "", "terrane").map(|folders| folders.cache_dir().to_owned());
         let cache = (self.cache > 0).then(|| CacheOptions { bytes: bytes(self.cache), side });
         let on_demand = (!self.stored_only).then_some(OnDemand { spacing_m: self.spacing, cache });
-        Ok(SceneOptions { gpu_bytes: bytes(self.gpu_memory), on_demand, ..SceneOptions::default() })
+        let (gpu_bytes, host_bytes) = (bytes(self.gpu_memory), bytes(self.host_memory));
+        Ok(SceneOptions { gpu_bytes, host_bytes, on_demand, ..SceneOptions::default() })
     }
 }
 
