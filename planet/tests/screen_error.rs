@@ -43,7 +43,7 @@ fn error_of(planet: &Planet, view: &View, cut: &Cut, resident: &dyn Fn(PatchId) 
     let meshes: HashMap<PatchId, PatchMesh> = planet.patches.iter().map(|(id, (patch, _))| (*id, patch.mesh.clone())).collect();
     let grids = GridCache::new(&planet.tree, Box::new(move |id| Ok(meshes[&id].clone())));
     let finest = FinestSurface::new(&planet.tree, resident, &grids);
-    measure(view, &planet.tree, &drawn, &finest, EFFORT).expect("patches in memory can be read")
+    measure(view, &planet.tree, &drawn, &finest, &|id| finest.ends_at(id), EFFORT).expect("patches in memory can be read")
 }
 
 fn natural(planet: &Planet, view: &View) -> ScreenError {

@@ -215,6 +215,11 @@ impl Scene {
         &self.planet
     }
 
+    /// The same, to be kept.
+    pub fn shared_planet(&self) -> Arc<Planet> {
+        self.planet.clone()
+    }
+
     /// Its lattice.
     pub fn lattice(&self) -> &Lattice {
         &self.planet.lattice

@@ -1,7 +1,7 @@
 //! Verification of what the GPU makes of a planet file: every stage against its CPU twin, and the emitted triangles of the
 //! whole planet against the invariants (watertight by bits, nothing flipped, closure kept).
 //!
-//! In: a scene without textures, a headless renderer and views. Out: [`VerifyReport`]. The patches are read from the file a
+//! In: a scene without textures, a headless renderer and views. Out: [`VerifyReport`]. The patches are read from the file, or built, a
 //! second time, so that nothing that the GPU was given is taken on trust.
 
 mod report;
@@ -17,9 +17,12 @@ use crate::scene::{Scene, SceneError};
 use glam::DVec3;
 use std::collections::hash_map::{Entry, HashMap};
 use std::path::Path;
+use std::sync::Arc;
 use terrane_planet::lattice::Lattice;
 use terrane_planet::layout::Mode;
 use terrane_planet::patch::PatchId;
+use terrane_planet::planet::Planet;
+use terrane_planet::progressive::PatchMesh;
 use terrane_planet::reference::cut::at_data_rim;
 use terrane_planet::store::{PlanetFile, StoreError};
 use terrane_planet::verify::{GridCache, LoadedPatch, RandomViews, SurfaceCheck};
@@ -34,7 +37,7 @@ const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::X, exposure: 1.0 };
 
 /// The CPU's copies of the patches, and how to get more.
 pub struct Verifier {
-    file: PlanetFile,
+    source: PatchSource,
     lattice: Lattice,
     patches: HashMap<PatchId, KnownPatch>,
     grids: GridCache,
@@ -53,15 +56,42 @@ pub fn random_views(scene: &Scene, seed: u64, count: usize, tolerances: &[f64]) 
     cameras.enumerate().map(view).collect()
 }
 
+/// Views near the ground of `places` random places on land, see [`terrane_planet::verify::ground_views`]; `tolerances` in turn.
+pub fn ground_views(scene: &Scene, seed: u64, places: usize, count: usize, tolerances: &[f64]) -> Vec<View> {
+    let planet = scene.planet();
+    let sea = planet.recipe.sea.as_ref().map_or(f64::NEG_INFINITY, |sea| sea.level_m);
+    let height = |place: DVec3| planet.terrain.height(place);
+    let cameras = terrane_planet::verify::ground_views(seed, places, count, planet.recipe.radius, sea, &height);
+    let view = |(k, camera)| View::new(camera, &planet.lattice, planet.cells, tolerances[k % tolerances.len()]);
+    cameras.into_iter().enumerate().map(view).collect()
+}
+
+/// Patches from the file, or built where it lacks them.
+struct PatchSource {
+    file: PlanetFile,
+    planet: Arc<Planet>,
+}
+
+impl PatchSource {
+    fn mesh(&self, id: PatchId) -> Result<PatchMesh, StoreError> {
+        if self.file.contains(id)? {
+            self.file.mesh(id)
+        } else {
+            Ok(self.planet.build(id).0)
+        }
+    }
+}
+
 impl Verifier {
     /// A verifier of the file that `scene` was opened from.
     ///
     /// # Errors
     /// If the file cannot be read.
     pub fn new(path: &Path, scene: &Scene) -> Result<Verifier, SceneError> {
-        let (file, finest) = (PlanetFile::open(path)?, PlanetFile::open(path)?);
+        let open = || Ok::<_, SceneError>(PatchSource { file: PlanetFile::open(path)?, planet: scene.shared_planet() });
+        let (source, finest) = (open()?, open()?);
         let grids = GridCache::new(scene.tree(), Box::new(move |id| finest.mesh(id)));
-        Ok(Verifier { file, lattice: *scene.lattice(), patches: HashMap::new(), grids })
+        Ok(Verifier { source, lattice: *scene.lattice(), patches: HashMap::new(), grids })
     }
 
     /// Draws the whole planet in one view twice, without culling for its surface and with it for what it leaves, and checks both.
@@ -84,15 +114,20 @@ impl Verifier {
         Ok(report)
     }
 
+    /// Forgets all copies of patches, to make room: for views somewhere else.
+    pub fn forget(&mut self) {
+        self.patches.clear();
+    }
+
     /// The CPU's copy of a patch. Change it only to see that a difference is noticed.
     ///
     /// # Errors
-    /// If the patch is not in the file, or damaged.
+    /// If the patch in the file is damaged.
     pub fn patch_mut(&mut self, id: PatchId) -> Result<&mut LoadedPatch, StoreError> {
         match self.patches.entry(id) {
             Entry::Occupied(known) => Ok(&mut known.into_mut().loaded),
             Entry::Vacant(vacant) => {
-                let mesh = self.file.mesh(id)?;
+                let mesh = self.source.mesh(id)?;
                 Ok(&mut vacant.insert(KnownPatch::new(mesh, &self.lattice)).loaded)
             }
         }

@@ -42,12 +42,12 @@ impl Perturbation {
         }
     }
 
-    fn is_resident(self, id: PatchId, k: usize) -> bool {
-        self != Perturbation::Missing || id.level == 0 || !dice(id, k).is_multiple_of(5)
+    fn is_resident(self, tree: &PatchTree, id: PatchId, k: usize) -> bool {
+        tree.get(id).is_some() && (self != Perturbation::Missing || id.level == 0 || !dice(id, k).is_multiple_of(5))
     }
 
     fn cut(self, tree: &PatchTree, view: &View, k: usize) -> Cut {
-        let resident = |id| self.is_resident(id, k);
+        let resident = |id| self.is_resident(tree, id, k);
         if self != Perturbation::OverSplit {
             return cut(tree, view, &resident);
         }
@@ -103,9 +103,11 @@ impl Verifier {
             surface.add(vertices, twin.places(), triangles);
             drawn.push(Drawn { leaf: twin.leaf, vertices, places: twin.places(), triangles });
         }
-        let finest = FinestSurface::new(tree, &|id| perturbation.is_resident(id, k), &self.grids);
+        let finest = FinestSurface::new(tree, &|id| perturbation.is_resident(tree, id, k), &self.grids);
+        // A patch that could be built, and was not asked for, is not missing.
+        let excused = |id| finest.ends_at(id) && (perturbation == Perturbation::Missing || !tree.can_split(id));
         let effort = Effort { pixels: rays, finer_samples: rays, seed: k as u64 };
-        let error = measure(view, tree, &drawn, &finest, effort)?;
+        let error = measure(view, tree, &drawn, &finest, &excused, effort)?;
         let surface = surface.finish();
         let faults = MeshFaults { flipped: surface.flipped, degenerate: surface.degenerate, closure_violations: 0 };
         Ok(ScreenReport { error, cracks: surface.cracks, faults })

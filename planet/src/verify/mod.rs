@@ -10,7 +10,7 @@ pub mod surface_check;
 pub use crate::rays::{patch_surface, Ray};
 pub use error_readings::{ErrorReadings, Probe, Reading};
 pub use finest::{FinestSurface, GridCache};
-pub use random_views::RandomViews;
+pub use random_views::{ground_views, RandomViews};
 pub use screen_error::{is_in_view, measure, Drawn, Effort, ScreenError};
 pub use surface_check::{SurfaceCheck, SurfaceReport};
 

@@ -99,3 +99,35 @@ impl Iterator for RandomViews<'_> {
         Some(Camera::looking(position, heading, pitch, fov, [1280, 720]))
     }
 }
+
+/// Highest camera of [`ground_views`] in metres.
+const NEAR_GROUND: f64 = 3000.0;
+
+/// Places tried for one on dry land.
+const TRIES: usize = 1000;
+
+/// Cameras from 2 m to 3 km above `places` random places on dry land (as far as a thousand tries find some), `count` altogether, those
+/// of a place one after the other and the lowest first. `height` gives metres above the datum, and `sea` is the sea's.
+pub fn ground_views(seed: u64, places: usize, count: usize, radius: f64, sea: f64, height: &dyn Fn(DVec3) -> f64) -> Vec<Camera> {
+    let mut random = Random::new(seed);
+    let mut cameras = Vec::with_capacity(count);
+    for nth in 0..places {
+        let mut place = random.direction();
+        for _ in 0..TRIES {
+            if height(place) > sea {
+                break;
+            }
+            place = random.direction();
+        }
+        for k in 0..(nth + 1) * count / places - nth * count / places {
+            // Up to 10 m aside: no two views of a place look at the same triangles.
+            let beside = (place + random.direction() * (10.0 / radius)).normalize();
+            let altitude = if k == 0 { 2.0 } else { 2.0 * (NEAR_GROUND / 2.0).powf(random.unit()) };
+            let position = beside * (radius + height(beside) + altitude);
+            let (heading, pitch) = (random.range(0.0, 360.0), random.range(-70.0, 5.0));
+            let fov = random.range(35.0, 75.0).to_radians();
+            cameras.push(Camera::looking(position, heading, pitch, fov, [1280, 720]));
+        }
+    }
+    cameras
+}

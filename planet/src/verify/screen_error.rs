@@ -80,7 +80,7 @@ impl ScreenError {
     }
 }
 
-/// Measures a view.
+/// Measures a view. `is_missing` says which drawn patches would have to split, but have no children.
 ///
 /// # Errors
 /// If a patch of the finest surface cannot be read.
@@ -89,12 +89,13 @@ pub fn measure(
     tree: &PatchTree,
     drawn: &[Drawn],
     finest: &FinestSurface,
+    is_missing: &dyn Fn(PatchId) -> bool,
     effort: Effort,
 ) -> Result<ScreenError, StoreError> {
     let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.places, d.triangles)).collect();
     let boxes: Vec<LatticeBox> = surfaces.iter().map(|surface| surface.bounds).collect();
     let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, node));
-    let rim_sides = |d: &Drawn| sides_beside(&d.leaf, &|coarser| finest.ends_at(coarser)).into();
+    let rim_sides = |d: &Drawn| sides_beside(&d.leaf, is_missing).into();
     let judge = Judge {
         view,
         tree,

@@ -1,6 +1,6 @@
 //! `terrane verify`: random views of a planet on the GPU, against the CPU and the invariants; and their screen error, with rays.
 
-use super::viewing::{GpuOptions, MeshOptions};
+use super::viewing::{GpuOptions, MeshOptions, PatchOptions};
 use super::Run;
 use crate::Outcome;
 use anyhow::{bail, ensure};
@@ -12,7 +12,7 @@ use std::time::Instant;
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::verify::screen::ToleranceErrors;
-use terrane::verify::{random_views, Perturbation, ScreenErrors, Verifier, VerifyReport, ViewReport, TOLERANCES};
+use terrane::verify::{ground_views, random_views, Perturbation, ScreenErrors, Verifier, VerifyReport, ViewReport, TOLERANCES};
 use terrane::vulkan::GpuInfo;
 use terrane_planet::sphere::place_of;
 use terrane_planet::verify::{ErrorReadings, Probe, Reading, ScreenError};
@@ -20,6 +20,9 @@ use terrane_planet::view::{View, TOLERANCE_RANGE};
 
 /// Pictures are not drawn: the smallest targets will do.
 const SIZE: (u32, u32) = (16, 16);
+
+/// Bytes of patches near the ground: a view that got fewer than it wants proves nothing.
+const NEAR_GROUND_BYTES: u64 = 8 << 30;
 
 /// Check random views of a planet: no cracks, no flips, the same mesh on GPU and CPU, errors within the tolerance.
 ///
@@ -42,6 +45,13 @@ pub(crate) struct Verify {
     /// Random pixels a view at which rays measure the screen error, and as many samples of finer patches.
     #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
     rays: u32,
+    /// Take the views near the ground instead, at so many random places on land, with patches built down to `--spacing`. They are kept
+    /// in the file, as when flying.
+    #[arg(long, value_name = "PLACES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    ground: Option<u32>,
+    /// With `--ground`: build patches until their samples are this far apart.
+    #[arg(long, value_name = "METRES", default_value_t = 1.0, requires = "ground")]
+    spacing: f64,
     #[command(flatten)]
     mesh: MeshOptions,
     #[command(flatten)]
@@ -59,14 +69,22 @@ impl Run for Verify {
             ensure!((least..=most).contains(error), "--error: {error} is not within {least} and {most} pixels");
         }
         let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, SceneOptions::whole_mesh())?;
+        let mut scene = Scene::open(&context, &self.file, self.scene_options()?)?;
         let mut headless = Headless::new(&context, SIZE)?;
         let mut verifier = Verifier::new(&self.file, &scene)?;
-        let views = random_views(&scene, self.seed, self.views as usize, &self.error);
+        let count = self.views as usize;
+        let places = self.ground.map_or(1, |places| places as usize);
+        let views = match self.ground {
+            None => random_views(&scene, self.seed, count, &self.error),
+            Some(_) => ground_views(&scene, self.seed, places, count, &self.error),
+        };
         let views: Vec<View> = views.into_iter().map(|view| self.mesh.apply(view, scene.planet())).collect();
         let progress = Progress::new(views.len());
         let (mut report, mut errors) = (VerifyReport::default(), ScreenErrors::default());
         for (k, view) in views.iter().enumerate() {
+            if k * places / count != k.saturating_sub(1) * places / count {
+                verifier.forget();
+            }
             let seen = verifier.check(&mut scene, &mut headless, view)?;
             report.add(&seen);
             let mut largest = 0.0f64;
@@ -81,7 +99,7 @@ impl Run for Verify {
         errors.by_tolerance.iter().for_each(describe_worst);
         let seconds = begun.elapsed().as_secs_f64();
         if self.json {
-            println!("{}", summary(&report, &errors, context.device_info(), seconds));
+            println!("{}", summary(&report, &errors, context.device_info(), scene.tally().built, seconds));
         } else {
             print(&report, &errors, seconds);
         }
@@ -94,11 +112,22 @@ impl Run for Verify {
     }
 }
 
-fn summary(r: &VerifyReport, errors: &ScreenErrors, gpu: &GpuInfo, seconds: f64) -> Value {
+impl Verify {
+    /// Everything in the file; near the ground also what is not, with room for the patches of a place.
+    fn scene_options(&self) -> anyhow::Result<SceneOptions> {
+        if self.ground.is_none() {
+            return Ok(SceneOptions::whole_mesh());
+        }
+        let options = PatchOptions::to_spacing(self.spacing).options()?;
+        Ok(SceneOptions { textures: false, gpu_bytes: NEAR_GROUND_BYTES, host_bytes: u64::MAX, ..options })
+    }
+}
+
+fn summary(r: &VerifyReport, errors: &ScreenErrors, gpu: &GpuInfo, built: u64, seconds: f64) -> Value {
     let m = &r.mismatches;
     let worst = errors.worst();
     json!({
-        "views": r.views, "patches": r.patches, "triangles": r.triangles,
+        "views": r.views, "patches_built": built, "patches": r.patches, "triangles": r.triangles,
         "most_triangles": r.most_triangles, "triangles_after_culling": r.triangles_after_culling, "cracks": r.cracks,
         "flipped": r.faults.flipped, "degenerate": r.faults.degenerate, "closure_violations": r.faults.closure_violations,
         "flipped_at_data_rim": r.faults_at_data_rim.flipped, "degenerate_at_data_rim": r.faults_at_data_rim.degenerate,

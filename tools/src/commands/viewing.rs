@@ -24,6 +24,11 @@ const DEFAULT_ALTITUDE: f64 = 1.9;
 /// Where the sun stands over the place in view unless told otherwise: azimuth and elevation in degrees.
 const DEFAULT_SUN: [f64; 2] = [135.0, 35.0];
 
+/// Megabytes of built patches to keep, of patches on the GPU, and of patches in main memory, unless told otherwise.
+const CACHE_MB: u64 = 2000;
+const GPU_MB: u64 = 3000;
+const HOST_MB: u64 = 1000;
+
 /// Which GPU to use.
 #[derive(clap::Args, Clone)]
 pub(crate) struct GpuOptions {
@@ -179,18 +184,23 @@ pub(crate) struct PatchOptions {
     spacing: f64,
     /// Most megabytes of built patches to keep in the planet file for another time, or in the user's cache folder if it cannot be
     /// written; 0 keeps none.
-    #[arg(long, value_name = "MB", default_value_t = 2000)]
+    #[arg(long, value_name = "MB", default_value_t = CACHE_MB)]
     cache: u64,
     /// Most megabytes of patches on the GPU; with fewer the picture is coarser.
-    #[arg(long, value_name = "MB", default_value_t = 3000)]
+    #[arg(long, value_name = "MB", default_value_t = GPU_MB)]
     gpu_memory: u64,
     /// Most megabytes of patches in main memory, on their way to the GPU and as the ground below the camera; with fewer the picture is
     /// coarser, or comes more slowly.
-    #[arg(long, value_name = "MB", default_value_t = 1000)]
+    #[arg(long, value_name = "MB", default_value_t = HOST_MB)]
     host_memory: u64,
 }
 
 impl PatchOptions {
+    /// Those of a command that builds patches down to a spacing in metres, and asks for nothing else.
+    pub(crate) fn to_spacing(spacing: f64) -> PatchOptions {
+        PatchOptions { stored_only: false, spacing, cache: CACHE_MB, gpu_memory: GPU_MB, host_memory: HOST_MB }
+    }
+
     /// What to open a scene with.
     pub(crate) fn options(&self) -> anyhow::Result<SceneOptions> {
         ensure!((0.01..=1e9).contains(&self.spacing), "--spacing: {} is not within 0.01 and 1e9 metres", self.spacing);
