@@ -6,7 +6,7 @@ use super::surface::DrawnSurface;
 use super::viewer::Viewer;
 use super::{AppError, FlyOptions, SaveScreenshot};
 use crate::frame::{FrameTables, Look, Overlay as OverlayStage, Renderer};
-use crate::scene::Scene;
+use crate::scene::{uploads_within, Scene};
 use crate::vulkan::{capture, vk, Access, Commands, Context, Image, ImageDescription, Swapchain};
 use glam::DQuat;
 use std::sync::Arc;
@@ -15,11 +15,6 @@ use terrane_planet::layout::{EmitState, Mode};
 use terrane_planet::view::View;
 use winit::window::Window;
 
-/// Patches taken in each frame, half a megabyte each: the first for frames that keep up with the screen; slow frames take more, so
-/// that a slow device does not stay coarse for minutes.
-const UPLOADS_PER_FRAME: (usize, usize) = (6, 36);
-/// Patches taken in a second between these limits.
-const UPLOADS_PER_SECOND: f64 = 120.0;
 /// Longest time in seconds that one frame moves the viewer on by, however long it took.
 const LONGEST_FRAME: f64 = 0.25;
 /// Radians that the sun moves along its daily course with each key press.
@@ -84,7 +79,7 @@ impl Flight {
             orientation: options.orientation,
             tables: None,
             selection: Selection::Follows,
-            uploads: UPLOADS_PER_FRAME.0,
+            uploads: uploads_within(0.0),
             screenshot_wanted: false,
             counters: EmitState::default(),
             begun: None,
@@ -161,7 +156,7 @@ impl Flight {
         } else {
             self.begun = Some(now);
         }
-        self.uploads = ((seconds * UPLOADS_PER_SECOND) as usize).clamp(UPLOADS_PER_FRAME.0, UPLOADS_PER_FRAME.1);
+        self.uploads = uploads_within(seconds);
         seconds.min(LONGEST_FRAME)
     }
 

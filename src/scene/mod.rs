@@ -40,6 +40,13 @@ const UPLOAD_CHUNK: u64 = 8 << 20;
 /// Fewest patches on the GPU: the six whole faces, and the children of one.
 const LEAST_PATCHES: u32 = 10;
 
+/// Patches taken in by each frame, of a megabyte and a half each: the first for frames that keep up with the screen; slow frames take
+/// more, so that a slow device does not stay coarse for minutes.
+const UPLOADS_PER_FRAME: (usize, usize) = (6, 36);
+
+/// Patches taken in during a second, between these limits.
+const UPLOADS_PER_SECOND: f64 = 120.0;
+
 /// Most patches under way to the GPU at a time.
 const MOST_UNDER_WAY: usize = 64;
 
@@ -81,6 +88,11 @@ pub struct OnDemand {
     pub spacing_m: f64,
     /// Where built patches are kept for another time; nowhere if `None`.
     pub cache: Option<CacheOptions>,
+}
+
+/// Patches that a frame may take in if the one before took so many seconds.
+pub fn uploads_within(seconds: f64) -> usize {
+    ((seconds * UPLOADS_PER_SECOND) as usize).clamp(UPLOADS_PER_FRAME.0, UPLOADS_PER_FRAME.1)
 }
 
 /// How a scene came by its patches, since it was opened.

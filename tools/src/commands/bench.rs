@@ -1,5 +1,6 @@
 //! `terrane bench`: what the frames of a camera path cost.
 
+mod live;
 mod percentiles;
 mod savings;
 
@@ -11,7 +12,7 @@ use anyhow::{ensure, Context as _};
 use percentiles::{summarise, Line};
 use savings::VARIANTS;
 use serde_json::{json, Value};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use terrane::frame::STAGES;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
@@ -30,7 +31,7 @@ use terrane_planet::view::{View, TOLERANCE_RANGE};
 pub(crate) struct Bench {
     /// Planet file.
     file: PathBuf,
-    /// Keyframes: a JSON file, or `descent` or `flyover`, which come with the command.
+    /// Keyframes: a JSON file, or `descent`, `flyover` or `plunge`, which come with the command.
     #[arg(long, value_name = "PATH.json|NAME")]
     path: PathBuf,
     /// Frames to measure.
@@ -48,6 +49,12 @@ pub(crate) struct Bench {
     /// Draw every frame again without each of selection's economies, and with the orientation term, and show what that changes.
     #[arg(long)]
     savings: bool,
+    /// Fly instead: no frame waits for patches, each draws what has arrived. Says what was built, and when nothing was missing any more.
+    #[arg(long, conflicts_with = "savings")]
+    live: bool,
+    /// With `--live`: check every frame's surface and picture for cracks and holes, outside of its times; any is an error.
+    #[arg(long, requires = "live")]
+    check: bool,
     #[command(flatten)]
     mesh: MeshOptions,
     #[command(flatten)]
@@ -70,6 +77,19 @@ impl Run for Bench {
         let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
         let [width, height] = self.size;
         let mut headless = Headless::new(&context, (width, height))?;
+        if self.live {
+            let flight = self.fly(&context, &mut scene, &mut headless, &path)?;
+            self.print_heading(context.device_info());
+            flight.print(self.check)?;
+            if let Some(out) = &self.json {
+                let mut report = self.report(context.device_info());
+                report["flight"] = flight.report()?;
+                write_report(out, &report)?;
+            }
+            self.gpu.report_messages(&context)?;
+            flight.verdict()?;
+            return Ok(Outcome::Done);
+        }
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
         for _ in 0..self.warmup {
@@ -86,17 +106,19 @@ impl Run for Bench {
         }
         let summary = summarise(&costs[0])?;
         let device = context.device_info();
-        print_table(&summary, device, &self);
+        self.print_heading(device);
+        print_table(&summary);
         if self.savings {
             savings::print(&costs);
         }
         if let Some(out) = &self.json {
-            let mut report = self.report(device, &summary, &stands, &costs[0]);
+            let mut report = self.report(device);
+            report["summary"] = summary.iter().map(percentiles_of).collect::<serde_json::Map<_, _>>().into();
+            report["rows"] = stands.iter().zip(&costs[0]).map(|(stand, cost)| row(stand, cost)).collect();
             if self.savings {
                 report["savings"] = savings::report(&costs);
             }
-            let text = serde_json::to_string_pretty(&report)?;
-            pictures::write_whole(out, text.as_bytes()).with_context(|| format!("cannot write the results {}", out.display()))?;
+            write_report(out, &report)?;
         }
         self.gpu.report_messages(&context)?;
         Ok(Outcome::Done)
@@ -118,22 +140,39 @@ impl Bench {
         Ok(measure_frame(scene, headless, &view, &look)?)
     }
 
-    fn report(&self, device: &GpuInfo, summary: &[Line], stands: &[Keyframe], costs: &[FrameCost]) -> Value {
-        let percentiles: serde_json::Map<_, _> = summary
-            .iter()
-            .map(|l| {
-                (l.name.clone(), json!({ "p50": l.at[0], "p95": l.at[1], "p99": l.at[2], "max": l.at[3], "frames": l.frames }))
-            })
-            .collect();
+    /// What was measured on what.
+    fn report(&self, device: &GpuInfo) -> Value {
         json!({
             "device": device.name, "driver": device.driver, "driver_info": device.driver_info,
             "commit": env!("TERRANE_COMMIT"), "version": env!("CARGO_PKG_VERSION"),
             "planet": self.file, "path": self.path, "size": self.size, "tolerance_px": self.error,
             "geomorphs": self.mesh.geomorphs(), "orientation": self.mesh.orientation(),
-            "frames": self.frames, "warmup": self.warmup, "summary": percentiles,
-            "rows": stands.iter().zip(costs).map(|(stand, cost)| row(stand, cost)).collect::<Vec<_>>(),
+            "frames": self.frames, "warmup": self.warmup,
         })
     }
+
+    fn print_heading(&self, device: &GpuInfo) {
+        let [width, height] = self.size;
+        println!("{} ({} {})", device.name, device.driver, device.driver_info);
+        println!(
+            "{} frames of {} at {width}x{height}, {} px{}, commit {}",
+            self.frames,
+            self.path.display(),
+            self.error,
+            self.mesh.describe(),
+            env!("TERRANE_COMMIT")
+        );
+    }
+}
+
+fn write_report(out: &Path, report: &Value) -> anyhow::Result<()> {
+    let text = serde_json::to_string_pretty(report)?;
+    pictures::write_whole(out, text.as_bytes()).with_context(|| format!("cannot write the results {}", out.display()))
+}
+
+fn percentiles_of(line: &Line) -> (String, Value) {
+    let [p50, p95, p99, max] = line.at;
+    (line.name.clone(), json!({ "p50": p50, "p95": p95, "p99": p99, "max": max, "frames": line.frames }))
 }
 
 fn row(stand: &Keyframe, c: &FrameCost) -> Value {
@@ -149,17 +188,7 @@ fn row(stand: &Keyframe, c: &FrameCost) -> Value {
     })
 }
 
-fn print_table(summary: &[Line], device: &GpuInfo, bench: &Bench) {
-    let [width, height] = bench.size;
-    println!("{} ({} {})", device.name, device.driver, device.driver_info);
-    println!(
-        "{} frames of {} at {width}x{height}, {} px{}, commit {}",
-        bench.frames,
-        bench.path.display(),
-        bench.error,
-        bench.mesh.describe(),
-        env!("TERRANE_COMMIT")
-    );
+fn print_table(summary: &[Line]) {
     println!("{:<20} {:>12} {:>12} {:>12} {:>12}", "", "p50", "p95", "p99", "max");
     for line in summary.iter().filter(|l| l.frames > 0) {
         let [p50, p95, p99, max] = line.at.map(|v| format!("{v:.digits$}", digits = line.digits));

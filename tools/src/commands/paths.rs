@@ -5,8 +5,11 @@ use std::path::Path;
 use terrane_planet::camera_path::{CameraPath, Keyframe};
 
 /// Paths that come with the command.
-const BUILT_IN: [(&str, &str); 2] =
-    [("descent", include_str!("../../paths/descent.json")), ("flyover", include_str!("../../paths/flyover.json"))];
+const BUILT_IN: [(&str, &str); 3] = [
+    ("descent", include_str!("../../paths/descent.json")),
+    ("flyover", include_str!("../../paths/flyover.json")),
+    ("plunge", include_str!("../../paths/plunge.json")),
+];
 
 /// The path of a file, or the built-in one of that name.
 pub(crate) fn load_path(path: &Path) -> anyhow::Result<CameraPath> {

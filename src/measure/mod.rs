@@ -3,6 +3,8 @@
 //! In: a scene and a view. Out: a row of times and counts. Loading is not part of it: the scene settles first, and the time of
 //! that stands by itself.
 
+pub mod live;
+
 use crate::frame::{Look, MESH_STAGES, STAGES};
 use crate::headless::Headless;
 use crate::scene::{Scene, SceneError};

@@ -1,0 +1,158 @@
+//! `bench --live`: a flight along the path that waits for nothing, and what arrived meanwhile.
+
+use super::{camera_over, Bench};
+use anyhow::{bail, Context as _};
+use hdrhistogram::Histogram;
+use serde_json::{json, Value};
+use std::sync::Arc;
+use std::time::Instant;
+use terrane::headless::Headless;
+use terrane::measure::live::{LiveFaults, LiveFlight, LiveFrame};
+use terrane::scene::Scene;
+use terrane::vulkan::Context;
+use terrane_planet::camera_path::{CameraPath, Keyframe};
+use terrane_planet::sphere::direction_at;
+use terrane_planet::view::View;
+
+/// Frames at the end of the path after which nothing more is waited for.
+const MOST_FRAMES_AT_END: usize = 20_000;
+
+/// A whole flight.
+pub(super) struct Flight {
+    rows: Vec<(Keyframe, LiveFrame, LiveFaults)>,
+    /// Frames at the end of the path until nothing was missing.
+    at_end: Vec<LiveFrame>,
+    built: u64,
+    read: u64,
+    build_s: f64,
+    wall_s: f64,
+    /// Bytes of patches: the most on the GPU and the most allowed there, then the same of main memory.
+    bytes: [(u64, u64); 2],
+}
+
+impl Bench {
+    /// Flies along the path, then stays at its end until nothing is missing.
+    pub(super) fn fly(&self, context: &Arc<Context>, scene: &mut Scene, headless: &mut Headless, path: &CameraPath) -> anyhow::Result<Flight> {
+        let (first, last) = path.span();
+        let step = (last - first) / f64::from(self.frames - 1);
+        let planet = scene.shared_planet();
+        let view = |camera| self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), &planet);
+        let begun = Instant::now();
+        let (mut rows, mut at_end) = (Vec::new(), Vec::new());
+        let mut host = 0;
+        let mut checking = 0.0;
+        let mut flight = LiveFlight::new(context, scene, headless, step);
+        for number in 0..self.frames as usize + MOST_FRAMES_AT_END {
+            let stand = path.at((first + step * number as f64).min(last));
+            let look = self.look.look(direction_at(stand.latitude, stand.longitude));
+            let (frame, seen, cut) = flight.frame(camera_over(&planet, &stand, self.size), &view, &look)?;
+            host = host.max(flight.scene().host_bytes().0);
+            let check = Instant::now();
+            let faults = if self.check { flight.faults(&seen, &cut, &look)? } else { LiveFaults::default() };
+            checking += check.elapsed().as_secs_f64();
+            if number < self.frames as usize {
+                rows.push((stand, frame, faults));
+                continue;
+            }
+            at_end.push(frame);
+            if faults.total() > 0 {
+                rows.push((stand, frame, faults));
+            }
+            if frame.settled {
+                break;
+            }
+        }
+        let wall_s = begun.elapsed().as_secs_f64() - checking;
+        let tally = scene.tally();
+        let gpu = rows.iter().map(|(_, frame, _)| frame).chain(&at_end).map(|frame| frame.gpu_bytes).max().unwrap_or(0);
+        let bytes = [(gpu, scene.gpu_bytes().1), (host, scene.host_bytes().1)];
+        Ok(Flight { rows, at_end, built: tally.built, read: tally.read, build_s: tally.build_s, wall_s, bytes })
+    }
+}
+
+impl Flight {
+    /// Milliseconds of the frames on the way: median, 95th percentile, worst.
+    fn frame_ms(&self) -> anyhow::Result<[f64; 3]> {
+        let mut histogram = Histogram::<u64>::new(3)?;
+        for (_, frame, _) in &self.rows {
+            histogram.record((frame.frame_ms * 1e3) as u64)?;
+        }
+        Ok([0.5, 0.95, 1.0].map(|q| histogram.value_at_quantile(q) as f64 / 1e3))
+    }
+
+    fn faults(&self) -> LiveFaults {
+        self.rows.iter().fold(LiveFaults::default(), |sum, (_, _, f)| LiveFaults {
+            cracks: sum.cracks + f.cracks,
+            flipped: sum.flipped + f.flipped,
+            holes: sum.holes + f.holes,
+        })
+    }
+
+    /// Prints the table.
+    pub(super) fn print(&self, checked: bool) -> anyhow::Result<()> {
+        let [median, p95, worst] = self.frame_ms()?;
+        let lifted = self.rows.iter().map(|(_, frame, _)| frame.lifted_m).fold(0.0, f64::max);
+        let megabytes = |bytes: u64| bytes as f64 / 1e6;
+        println!("patches built          {:>8}   {:.1} a second, {:.0} ms each", self.built, self.rate(), self.build_ms());
+        println!("patches read           {:>8}", self.read);
+        println!("frames until settled   {:>8}   after the end of the path", self.at_end.len());
+        println!("frame ms, median       {median:>8.1}   p95 {p95:.1}, worst {worst:.1} ({:.1} times the median)", worst / median);
+        for (name, (peak, most)) in ["GPU", "host"].iter().zip(self.bytes) {
+            println!("{:<22} {:>8.0}   of {:.0}", format!("{name} MB of patches"), megabytes(peak), megabytes(most));
+        }
+        if let Some(bytes) = peak_of_process() {
+            println!("peak MB of the process {:>8.0}   with what the driver holds in main memory", megabytes(bytes));
+        }
+        println!("lifted out of ground   {lifted:>8.1} m");
+        if checked {
+            let LiveFaults { cracks, flipped, holes } = self.faults();
+            println!("faults                 {cracks} cracks, {flipped} flipped, {holes} lines of sight without ground");
+        }
+        Ok(())
+    }
+
+    fn rate(&self) -> f64 {
+        self.built as f64 / self.wall_s
+    }
+
+    fn build_ms(&self) -> f64 {
+        1e3 * self.build_s / self.built.max(1) as f64
+    }
+
+    /// The same as JSON, with a row for each frame.
+    pub(super) fn report(&self) -> anyhow::Result<Value> {
+        let [median, p95, worst] = self.frame_ms()?;
+        let faults = self.faults();
+        let row = |(stand, f, faults): &(Keyframe, LiveFrame, LiveFaults)| {
+            json!({
+                "time_s": stand.time_s, "altitude_m": stand.altitude_m, "update_ms": f.update_ms, "frame_ms": f.frame_ms,
+                "triangles": f.triangles, "patches": f.patches, "resident_patches": f.resident, "awaited_patches": f.awaited,
+                "gpu_bytes": f.gpu_bytes, "lifted_m": f.lifted_m, "settled": f.settled,
+                "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,
+            })
+        };
+        Ok(json!({
+            "patches_built": self.built, "built_per_s": self.rate(), "build_ms": self.build_ms(), "patches_read": self.read,
+            "frames_until_settled": self.at_end.len(), "frame_ms": { "p50": median, "p95": p95, "max": worst },
+            "gpu_bytes": self.bytes[0].0, "gpu_budget": self.bytes[0].1, "host_bytes": self.bytes[1].0, "host_budget": self.bytes[1].1,
+            "process_peak_bytes": peak_of_process(), "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,
+            "rows": self.rows.iter().map(row).collect::<Vec<_>>(),
+        }))
+    }
+
+    /// Fails if any frame was faulty.
+    pub(super) fn verdict(&self) -> anyhow::Result<()> {
+        let LiveFaults { cracks, flipped, holes } = self.faults();
+        if cracks + flipped + holes > 0 {
+            bail!("{cracks} cracks, {flipped} flipped triangles, {holes} lines of sight without ground");
+        }
+        Ok(())
+    }
+}
+
+/// Largest resident set of this process so far, in bytes; `None` where the system does not say.
+fn peak_of_process() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").context("no status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    line.trim().strip_suffix(" kB")?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
+}
