@@ -6,6 +6,7 @@
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(binding = 2) uniform sampler2DArray slopes;
 layout(binding = 3) uniform sampler2DArray albedo;
+layout(binding = 6) uniform sampler2DArray relief;
 
 layout(location = 0) in vec3 in_place;
 layout(location = 1) in vec2 in_grid;
@@ -14,17 +15,23 @@ layout(location = 0) out vec4 out_color;
 
 layout(scalar, binding = 4) readonly buffer View { FrameView view; };
 
+// Radians, a little more than half the sun's disc: the relief is known to a texel only.
+const float SUN_RADIUS = 0.008;
+
 struct Ground {
     vec2 slope;
     vec3 albedo;
     float shore;
+    // Sine of the horizon's elevation towards the sun, and the share of the sky's light.
+    vec2 relief;
 };
 
 Ground fetch(uint layer, vec2 grid, float lod) {
     float side = 2.0 * float(view.cells + TEXTURE_GUTTER);
     vec3 at = vec3((2.0 * grid + float(TEXTURE_GUTTER)) / side, float(layer));
     vec4 color = textureLod(albedo, at, lod);
-    return Ground(textureLod(slopes, at, lod).xy, color.rgb, color.a);
+    vec3 vertex = vec3((grid + 0.5) / float(view.cells + 1u), float(layer));
+    return Ground(textureLod(slopes, at, lod).xy, color.rgb, color.a, textureLod(relief, vertex, 0.0).xy);
 }
 
 // The patch's own texture fades in over its parent's by distance, so that no switch of detail is seen. The mip level comes from
@@ -39,6 +46,7 @@ Ground ground_of(PatchDraw target, float distance, float slant) {
         own.slope = mix(own.slope, parent.slope, parent_share);
         own.albedo = mix(own.albedo, parent.albedo, parent_share);
         own.shore = mix(own.shore, parent.shore, parent_share);
+        own.relief = mix(own.relief, parent.relief, parent_share);
     }
     return own;
 }
@@ -75,10 +83,10 @@ void main() {
 
     float height = length(from_centre) - light.radius;
     float elevation = dot(up, light.sun);
-    // Ground that faces away from the sun by its large-scale shape stays dark however its texels are tilted.
-    float facing = max(dot(normal, light.sun), 0.0) * smoothstep(-0.06, 0.02, elevation + 0.04);
+    // The share of the sun's disc above the relief.
+    float facing = max(dot(normal, light.sun), 0.0) * smoothstep(-SUN_RADIUS, SUN_RADIUS, elevation - ground.relief.x);
     vec3 direct = SUN * sunlight(height, elevation) * facing;
-    vec3 ambient = skylight(elevation) * (0.5 + 0.5 * dot(normal, up));
+    vec3 ambient = skylight(elevation) * (0.5 + 0.5 * dot(normal, up)) * ground.relief.y;
     // Light thrown back by the ground around, weak and of its own colour.
     vec3 bounce = 0.15 * color * SUN * sunlight(height, elevation) * max(elevation, 0.0) * (0.5 - 0.5 * dot(normal, up));
     // Height above the sea in metres, for the ocean: the mesh may be coarser than the water is deep.

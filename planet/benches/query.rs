@@ -44,9 +44,13 @@ fn queries(c: &mut Criterion) {
     let mut group = c.benchmark_group("ground");
     group.throughput(Throughput::Elements(QUERIES as u64));
     for (name, directions) in [("height_at near", &near), ("height_at anywhere", &anywhere)] {
-        group.bench_function(name, |b| b.iter(|| directions.iter().filter_map(|&d| known.height_at(d)).map(|g| g.height).sum::<f64>()));
+        group.bench_function(name, |b| {
+            b.iter(|| directions.iter().filter_map(|&d| known.height_at(d)).map(|g| g.height).sum::<f64>())
+        });
     }
-    group.bench_function("raycast from 50 m", |b| b.iter(|| sights.iter().filter(|&&ray| known.raycast(eye, ray).is_some()).count()));
+    group.bench_function("raycast from 50 m", |b| {
+        b.iter(|| sights.iter().filter(|&&ray| known.raycast(eye, ray).is_some()).count())
+    });
     let mut heights = vec![0.0; QUERIES];
     group.bench_function("terrain function, no patches", |b| b.iter(|| planet.terrain.heights(&near, &mut heights)));
     group.finish();

@@ -8,6 +8,7 @@ pub mod classic;
 pub mod export;
 pub mod ground;
 pub mod heightfield;
+pub mod horizon;
 pub mod lattice;
 pub mod layout;
 pub mod orientation;

@@ -168,6 +168,7 @@ impl Flight {
             self.renderer.prepare_again(&self.scene, &self.view(), tables, &self.look)?;
             return Ok(self.renderer.record_again(commands, &self.scene, tables)?);
         }
+        self.scene.set_sun(self.look.sun);
         self.scene.receive(self.uploads, commands)?;
         self.viewer.step(seconds, &DrawnSurface::of_scene(&self.scene));
         let mut cut = self.scene.choose(&self.view());

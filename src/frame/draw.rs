@@ -59,6 +59,7 @@ impl Draw {
             ("Light", Resource::Storage(buffers.shading())),
             ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
             ("albedo", Resource::Sampled(textures.albedo.view(), &textures.sampler)),
+            ("relief", Resource::Sampled(textures.relief.view(), &textures.sampler)),
         ];
         commands.bind(&self.fill, &[geometry.as_slice(), &shading].concat())?;
         commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;

@@ -98,6 +98,7 @@ impl<'a> LiveFlight<'a> {
         look: &Look,
     ) -> Result<(LiveFrame, View, Cut), SceneError> {
         let begun = Instant::now();
+        self.scene.set_sun(look.sun);
         let mut seen = view(camera);
         let mut cut = self.scene.update(&seen, self.uploads)?;
         let lifted = lifted(self.scene, camera);

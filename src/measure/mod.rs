@@ -55,6 +55,7 @@ impl FrameCost {
 /// If a patch cannot be read, or the GPU fails.
 pub fn measure_frame(scene: &mut Scene, headless: &mut Headless, view: &View, look: &Look) -> Result<FrameCost, SceneError> {
     let begun = Instant::now();
+    scene.set_sun(look.sun);
     scene.settle(view)?;
     let settle_ms = milliseconds(begun);
     let begun = Instant::now();

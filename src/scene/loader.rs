@@ -2,7 +2,7 @@
 
 use super::resident::bytes_of_patch;
 use super::source::Source;
-use super::textures::{bytes_of_layer, TextureMips};
+use super::textures::{bytes_of_layer, Relief, TextureMips};
 use super::SceneError;
 use std::collections::HashSet;
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
@@ -25,15 +25,31 @@ pub(super) fn bytes_under_way(cells: u32) -> u64 {
 pub(super) struct Loaded {
     pub(super) patch: LoadedPatch,
     pub(super) texture: Option<TextureMips>,
+    pub(super) relief: Option<Relief>,
     pub(super) grid: PatchGrid,
 }
 
-type Arrival = (PatchId, Result<Loaded, StoreError>);
+/// What a worker is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Wish {
+    /// A whole patch.
+    Patch,
+    /// Only what its relief leaves of the light, for a patch that is on the GPU.
+    Light,
+}
+
+/// What a worker brings.
+pub(super) enum Brought {
+    Patch(Box<Loaded>),
+    Light(PatchId, Relief),
+}
+
+type Arrival = (PatchId, Result<Brought, StoreError>);
 
 #[derive(Default)]
 struct Queue {
     /// Wanted patches, the most urgent last.
-    wanted: Vec<(PatchId, f64)>,
+    wanted: Vec<(PatchId, Wish, f64)>,
     /// Taken by a worker, or arrived and not yet fetched.
     under_way: HashSet<PatchId>,
     closed: bool,
@@ -68,10 +84,10 @@ impl Loader {
         Ok(Loader { shared, arrivals, workers, most_under_way })
     }
 
-    /// Replaces the wanted patches (id and urgency, smaller is more urgent).
-    pub(super) fn request(&self, mut wanted: Vec<(PatchId, f64)>) {
+    /// Replaces the wishes (each with its urgency, smaller is more urgent).
+    pub(super) fn request(&self, mut wanted: Vec<(PatchId, Wish, f64)>) {
         let mut queue = self.shared.lock();
-        wanted.sort_unstable_by(|a, b| b.1.total_cmp(&a.1).then(b.0.cmp(&a.0)));
+        wanted.sort_unstable_by(|a, b| b.2.total_cmp(&a.2).then(b.0.cmp(&a.0)));
         wanted.dedup_by_key(|w| w.0);
         wanted.retain(|w| !queue.under_way.contains(&w.0));
         queue.wanted = wanted;
@@ -79,12 +95,12 @@ impl Loader {
     }
 
     /// Up to `most` patches that have arrived, without waiting.
-    pub(super) fn take(&self, most: usize) -> Result<Vec<Loaded>, SceneError> {
+    pub(super) fn take(&self, most: usize) -> Result<Vec<Brought>, SceneError> {
         self.arrivals.try_iter().take(most).map(|arrival| self.accept(arrival)).collect()
     }
 
     /// Waits until something arrives and returns all that has; nothing after `limit`, or if nothing is under way.
-    pub(super) fn wait(&self, limit: Duration) -> Result<Vec<Loaded>, SceneError> {
+    pub(super) fn wait(&self, limit: Duration) -> Result<Vec<Brought>, SceneError> {
         let idle = {
             let queue = self.shared.lock();
             queue.wanted.is_empty() && queue.under_way.is_empty()
@@ -114,7 +130,7 @@ impl Loader {
         queue.wanted.len() + queue.under_way.len()
     }
 
-    fn accept(&self, (id, result): Arrival) -> Result<Loaded, SceneError> {
+    fn accept(&self, (id, result): Arrival) -> Result<Brought, SceneError> {
         self.shared.lock().under_way.remove(&id);
         self.shared.changed.notify_one();
         Ok(result?)
@@ -138,16 +154,16 @@ impl Shared {
     }
 
     /// The next patch to load; `None` when the loader is gone.
-    fn next(&self) -> Option<PatchId> {
+    fn next(&self) -> Option<(PatchId, Wish)> {
         let mut queue = self.lock();
         loop {
             if queue.closed {
                 return None;
             }
             if queue.under_way.len() < self.most_under_way {
-                if let Some((id, _)) = queue.wanted.pop() {
+                if let Some((id, wish, _)) = queue.wanted.pop() {
                     queue.under_way.insert(id);
-                    return Some(id);
+                    return Some((id, wish));
                 }
             }
             queue = self.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
@@ -163,8 +179,12 @@ struct Worker {
 
 impl Worker {
     fn run(self) {
-        while let Some(id) = self.shared.next() {
-            if self.sender.send((id, self.source.load(id))).is_err() {
+        while let Some((id, wish)) = self.shared.next() {
+            let brought = match wish {
+                Wish::Patch => self.source.load(id).map(|loaded| Brought::Patch(Box::new(loaded))),
+                Wish::Light => Ok(Brought::Light(id, self.source.relief(id))),
+            };
+            if self.sender.send((id, brought)).is_err() {
                 return;
             }
         }

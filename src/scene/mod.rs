@@ -16,14 +16,16 @@ pub use resident::ResidentPatch;
 pub use textures::TexturePool;
 
 use crate::vulkan::{Commands, Context, Upload, VulkanError};
+use glam::DVec3;
 use keeper::Keeper;
-use loader::{Loaded, Loader};
-use source::{Source, Tally};
+use loader::{Brought, Loaded, Loader, Wish};
+use source::{Source, Sun, Tally};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::Ordering;
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
+use terrane_planet::horizon::WideGrids;
 use terrane_planet::lattice::Lattice;
 use terrane_planet::patch::PatchId;
 use terrane_planet::planet::{Planet, PlanetError};
@@ -146,6 +148,7 @@ pub struct Scene {
     // Dropped after the loader, whose workers hand it what they built.
     _keeper: Option<Keeper>,
     tally: Arc<Tally>,
+    sun: Arc<RwLock<Sun>>,
     capacity: usize,
     has_textures: bool,
     frame: u64,
@@ -184,6 +187,7 @@ impl Scene {
         let layers = if options.textures { capacity } else { 1 };
         let textures = TexturePool::new(context, planet.cells, layers)?;
         let tally = Arc::new(Tally::default());
+        let (grids, sun) = (Arc::new(WideGrids::default()), Arc::new(RwLock::new(Sun::default())));
         let loader = Loader::new(under_way, || {
             let mut files = vec![PlanetFile::open(path)?];
             if let Some(side) = keeper.as_ref().and_then(|k| k.side.as_ref()) {
@@ -196,6 +200,8 @@ impl Scene {
                 textures: options.textures,
                 keeper: keeper.as_ref().and_then(Keeper::handle),
                 tally: tally.clone(),
+                grids: grids.clone(),
+                sun: sun.clone(),
             })
         })?;
         let mut scene = Scene {
@@ -208,13 +214,14 @@ impl Scene {
             loader,
             _keeper: keeper,
             tally,
+            sun,
             capacity: capacity as usize,
             has_textures: options.textures,
             frame: 0,
             settled: false,
             full_at: None,
         };
-        scene.loader.request(PatchId::roots().map(|id| (id, 0.0)).collect());
+        scene.loader.request(PatchId::roots().map(|id| (id, Wish::Patch, 0.0)).collect());
         while scene.resident.len() < 6 {
             let arrived = scene.loader.wait(Duration::from_secs(60))?;
             scene.upload(arrived)?;
@@ -290,6 +297,25 @@ impl Scene {
         self.settled
     }
 
+    /// Says where the sun stands (a unit vector): shadows follow it as soon as the workers find time, and a scene is not settled before.
+    pub fn set_sun(&mut self, direction: DVec3) {
+        let mut sun = self.sun.write().unwrap_or_else(PoisonError::into_inner);
+        if self.has_textures && sun.direction != Some(direction) {
+            *sun = Sun { direction: Some(direction), number: sun.number + 1 };
+        }
+    }
+
+    /// Drawn patches, and those that show through them, whose light is that of an earlier sun.
+    fn stale(&self, cut: &Cut) -> Vec<PatchId> {
+        let number = self.sun.read().unwrap_or_else(PoisonError::into_inner).number;
+        let drawn = cut.leaves.iter().flat_map(|leaf| [Some(leaf.id), leaf.id.parent()]).flatten();
+        let mut stale: Vec<PatchId> =
+            drawn.filter(|id| self.resident.get(id).is_some_and(|patch| patch.layer.is_some() && patch.sun != number)).collect();
+        stale.sort_unstable();
+        stale.dedup();
+        stale
+    }
+
     /// Textures of the resident patches.
     pub fn textures(&self) -> &TexturePool {
         &self.textures
@@ -319,9 +345,10 @@ impl Scene {
         let resident = &self.resident;
         let cut = cut(&self.tree, view, &|id| resident.contains_key(&id));
         self.ground.follow(&cut);
-        self.settled = cut.wanted.is_empty() || self.full_at.is_some();
+        let stale = self.stale(&cut);
+        self.settled = stale.is_empty() && (cut.wanted.is_empty() || self.full_at.is_some());
         self.mark_used(&cut);
-        self.request(&cut);
+        self.request(&cut, &stale);
         cut
     }
 
@@ -330,11 +357,10 @@ impl Scene {
         self.full_at = None;
         loop {
             let cut = self.update(view, usize::MAX)?;
-            if cut.wanted.is_empty() {
-                return Ok(cut);
-            }
-            if self.full_at.is_some() {
-                tracing::warn!(capacity = self.capacity, "the view wants more patches than fit: the picture is coarser");
+            if self.settled {
+                if self.full_at.is_some() {
+                    tracing::warn!(capacity = self.capacity, "the view wants more patches than fit: the picture is coarser");
+                }
                 return Ok(cut);
             }
             tracing::debug!(wanted = cut.wanted.len(), resident = self.resident.len(), "settling");
@@ -344,6 +370,12 @@ impl Scene {
     }
 
     fn mark_used(&mut self, cut: &Cut) {
+        // Those that wait for their siblings count as used: taken out to make room for these, they would be asked for for ever.
+        for id in cut.wanted.iter().filter_map(|(id, _)| id.children()).flatten() {
+            if let Some(patch) = self.resident.get_mut(&id) {
+                patch.last_used = self.frame;
+            }
+        }
         for leaf in &cut.leaves {
             let mut at = Some(leaf.id);
             while let Some(id) = at {
@@ -356,40 +388,57 @@ impl Scene {
         }
     }
 
-    fn request(&mut self, cut: &Cut) {
-        let children = |&(id, urgency): &(PatchId, f64)| id.children().into_iter().flatten().map(move |child| (child, urgency));
+    fn request(&mut self, cut: &Cut, stale: &[PatchId]) {
+        let children =
+            |&(id, urgency): &(PatchId, f64)| id.children().into_iter().flatten().map(move |child| (child, Wish::Patch, urgency));
         // What was just turned away would be again: it is not read and decoded anew for every frame.
-        if self.full_at.is_some_and(|at| self.frame < at + PATIENCE) {
-            return self.loader.request(Vec::new());
-        }
-        let missing = cut.wanted.iter().flat_map(children).filter(|(id, _)| !self.resident.contains_key(id)).collect();
-        self.loader.request(missing);
+        let turned_away = self.full_at.is_some_and(|at| self.frame < at + PATIENCE);
+        let wanted: &[_] = if turned_away { &[] } else { &cut.wanted };
+        let missing = wanted.iter().flat_map(children).filter(|(id, ..)| !self.resident.contains_key(id));
+        // Shape before light.
+        self.loader.request(missing.chain(stale.iter().map(|&id| (id, Wish::Light, f64::MAX))).collect());
     }
 
-    fn upload(&mut self, arrived: Vec<Loaded>) -> Result<(), SceneError> {
+    fn upload(&mut self, arrived: Vec<Brought>) -> Result<(), SceneError> {
         Ok(self.stage(arrived)?.finish()?)
     }
 
-    fn stage(&mut self, arrived: Vec<Loaded>) -> Result<Upload, SceneError> {
+    fn stage(&mut self, arrived: Vec<Brought>) -> Result<Upload, SceneError> {
         let mut upload = Upload::new(&self.context, UPLOAD_CHUNK);
-        for loaded in arrived {
-            if self.resident.contains_key(&loaded.patch.mesh.id) {
-                continue;
+        for brought in arrived {
+            match brought {
+                Brought::Patch(loaded) => self.stage_patch(*loaded, &mut upload)?,
+                Brought::Light(id, relief) => {
+                    let Some(patch) = self.resident.get_mut(&id) else { continue };
+                    let Some(layer) = patch.layer else { continue };
+                    patch.sun = relief.sun;
+                    self.textures.upload_relief(&mut upload, layer, &relief)?;
+                }
             }
-            self.tree.insert(PatchFacts::from(&loaded.patch.mesh));
-            if self.resident.len() >= self.capacity && !self.evict() {
-                self.full_at = Some(self.frame);
-                continue;
-            }
-            let layer = loaded.texture.as_ref().and_then(|_| self.textures.claim());
-            if let (Some(layer), Some(mips)) = (layer, &loaded.texture) {
-                self.textures.upload(&mut upload, layer, mips)?;
-            }
-            let patch = ResidentPatch::new(&self.context, &mut upload, &loaded.patch, layer, self.frame)?;
-            self.resident.insert(loaded.patch.mesh.id, patch);
-            self.ground.known.insert(loaded.grid);
         }
         Ok(upload)
+    }
+
+    fn stage_patch(&mut self, loaded: Loaded, upload: &mut Upload) -> Result<(), SceneError> {
+        let id = loaded.patch.mesh.id;
+        if self.resident.contains_key(&id) {
+            return Ok(());
+        }
+        self.tree.insert(PatchFacts::from(&loaded.patch.mesh));
+        if self.resident.len() >= self.capacity && !self.evict() {
+            self.full_at = Some(self.frame);
+            return Ok(());
+        }
+        let layer = loaded.texture.as_ref().and_then(|_| self.textures.claim());
+        let mut patch = ResidentPatch::new(&self.context, upload, &loaded.patch, layer, self.frame)?;
+        if let (Some(layer), Some(mips), Some(relief)) = (layer, &loaded.texture, &loaded.relief) {
+            self.textures.upload(upload, layer, mips)?;
+            self.textures.upload_relief(upload, layer, relief)?;
+            patch.sun = relief.sun;
+        }
+        self.resident.insert(id, patch);
+        self.ground.known.insert(loaded.grid);
+        Ok(())
     }
 
     /// Frees the least recently used patch that no resident child stands on and the latest frame did not use.

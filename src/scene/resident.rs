@@ -22,6 +22,8 @@ pub struct ResidentPatch {
     pub layer: Option<u32>,
     /// Number of the latest frame that used it.
     pub last_used: u64,
+    /// Number of the sun that its light is of.
+    pub(super) sun: u64,
     reach: Reach,
     buffer: Buffer,
     triangles: u64,
@@ -43,7 +45,7 @@ impl ResidentPatch {
         let buffer = Buffer::new(context, &format!("patch {}", patch.mesh.id), bytes, Usage::STORAGE_BUFFER, Memory::Device)?;
         upload.buffer(&buffer, 0, &patch.vertices)?;
         upload.buffer(&buffer, start, triangles)?;
-        Ok(ResidentPatch { layer, last_used: frame, reach: patch.reach.clone(), buffer, triangles: start })
+        Ok(ResidentPatch { layer, last_used: frame, sun: 0, reach: patch.reach.clone(), buffer, triangles: start })
     }
 
     /// What a view looks at.

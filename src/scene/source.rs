@@ -3,10 +3,12 @@
 
 use super::keeper::KeeperHandle;
 use super::loader::Loaded;
-use super::textures::TextureMips;
+use super::textures::{Relief, TextureMips};
+use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::Arc;
+use std::sync::{Arc, PoisonError, RwLock};
+use terrane_planet::horizon::{HorizonMap, WideGrids};
 use terrane_planet::patch::PatchId;
 use terrane_planet::planet::Planet;
 use terrane_planet::progressive::PatchMesh;
@@ -26,6 +28,14 @@ pub(super) struct Tally {
     pub(super) build_us: AtomicU64,
 }
 
+/// The sun, and how many there were before: what is computed for one is stale under the next.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Sun {
+    /// Unit vector; shadows are left out as long as there is none.
+    pub(super) direction: Option<DVec3>,
+    pub(super) number: u64,
+}
+
 /// What every worker has for itself.
 pub(super) struct Source {
     /// Files to look into, in this order.
@@ -36,6 +46,10 @@ pub(super) struct Source {
     pub(super) builds: bool,
     /// Whether textures are wanted.
     pub(super) textures: bool,
+    /// Heights around patches, shared by all workers.
+    pub(super) grids: Arc<WideGrids>,
+    /// Where the sun stands.
+    pub(super) sun: Arc<RwLock<Sun>>,
     /// Takes what was built, to keep it.
     pub(super) keeper: Option<KeeperHandle>,
     pub(super) tally: Arc<Tally>,
@@ -77,9 +91,21 @@ impl Source {
         Ok(self.prepare(mesh, texture))
     }
 
+    /// What the relief of a patch leaves of the light of the sun as it stands now.
+    pub(super) fn relief(&self, id: PatchId) -> Relief {
+        let sun = *self.sun.read().unwrap_or_else(PoisonError::into_inner);
+        let direction = sun.direction.unwrap_or_else(|| id.centre());
+        let mut map = HorizonMap::new(&self.planet.ground(), &self.grids, id, direction);
+        if sun.direction.is_none() {
+            map.horizon.fill(-1.0);
+        }
+        Relief::new(&map, sun.number)
+    }
+
     fn prepare(&self, mesh: PatchMesh, texture: Option<PatchTexture>) -> Loaded {
+        let relief = texture.as_ref().map(|_| self.relief(mesh.id));
         let texture = texture.map(|texture| TextureMips::new(&texture, self.planet.cells));
         let grid = PatchGrid::of_mesh(&mesh, &self.planet.lattice);
-        Loaded { patch: LoadedPatch::new(mesh, &self.planet.lattice), texture, grid }
+        Loaded { patch: LoadedPatch::new(mesh, &self.planet.lattice), texture, relief, grid }
     }
 }

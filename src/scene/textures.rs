@@ -1,18 +1,21 @@
-//! Slope and albedo textures of all resident patches: two array images, one layer a patch.
+//! Textures of all resident patches, one layer a patch: slopes and albedo, and what the relief leaves of sun and sky.
 
 use crate::vulkan::{vk, Access, Commands, Context, Image, ImageDescription, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
+use terrane_planet::horizon::HorizonMap;
 use terrane_planet::texture::{decode_slope, texture_side, PatchTexture, MIP_LEVELS};
 
 /// Slopes: half floats, since 16-bit normalised formats need not be filterable.
 const SLOPE_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
+/// Horizon and sky.
+const RELIEF_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
 /// Albedo, decoded from sRGB by the sampler.
 const ALBEDO_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 
 /// Bytes of the textures of one patch of `cells` cells a side, mip levels included.
 pub(super) fn bytes_of_layer(cells: u32) -> u64 {
     let texels: u64 = (0..MIP_LEVELS).map(|mip| u64::from(texture_side(cells) >> mip).pow(2)).sum();
-    texels * (size_of::<[u16; 2]>() + size_of::<[u8; 4]>()) as u64
+    texels * (size_of::<[u16; 2]>() + size_of::<[u8; 4]>()) as u64 + u64::from(cells + 1).pow(2) * size_of::<[u16; 2]>() as u64
 }
 
 /// The texture arrays and their free layers.
@@ -21,6 +24,8 @@ pub struct TexturePool {
     pub slopes: Image,
     /// Albedo, and the height above the sea in alpha (see [`terrane_planet::texture::encode_shore`]).
     pub albedo: Image,
+    /// At the grid's vertices: sine of the horizon's elevation towards the sun, and the share of the sky's light.
+    pub relief: Image,
     /// Trilinear, clamped.
     pub sampler: Sampler,
     free: Vec<u32>,
@@ -30,23 +35,22 @@ impl TexturePool {
     /// Arrays of `layers` layers for patches of `cells` cells a side.
     pub(super) fn new(context: &Arc<Context>, cells: u32, layers: u32) -> Result<TexturePool> {
         let side = texture_side(cells);
-        let array = |name, format| {
+        let array = |name, format, side, mips| {
             let usage = vk::ImageUsageFlags::SAMPLED;
-            let description = ImageDescription {
-                layers,
-                array: true,
-                mips: MIP_LEVELS,
-                ..ImageDescription::new(name, (side, side), format, usage)
-            };
+            let description =
+                ImageDescription { layers, array: true, mips, ..ImageDescription::new(name, (side, side), format, usage) };
             Image::new(context, &description)
         };
-        let (slopes, albedo) = (array("slopes", SLOPE_FORMAT)?, array("albedo", ALBEDO_FORMAT)?);
+        let slopes = array("slopes", SLOPE_FORMAT, side, MIP_LEVELS)?;
+        let albedo = array("albedo", ALBEDO_FORMAT, side, MIP_LEVELS)?;
+        let relief = array("relief", RELIEF_FORMAT, cells + 1, 1)?;
         Commands::once(context, "texture layouts", |commands| {
             commands.transition(slopes.view(), Access::Undefined, Access::Sampled)?;
-            commands.transition(albedo.view(), Access::Undefined, Access::Sampled)
+            commands.transition(albedo.view(), Access::Undefined, Access::Sampled)?;
+            commands.transition(relief.view(), Access::Undefined, Access::Sampled)
         })?;
         let sampler = Sampler::new(context, "ground", &SamplerDescription::default())?;
-        Ok(TexturePool { slopes, albedo, sampler, free: (0..layers).rev().collect() })
+        Ok(TexturePool { slopes, albedo, relief, sampler, free: (0..layers).rev().collect() })
     }
 
     pub(super) fn claim(&mut self) -> Option<u32> {
@@ -63,6 +67,24 @@ impl TexturePool {
             upload.image(&self.albedo, layer, mip as u32, &level.albedo)?;
         }
         Ok(())
+    }
+
+    pub(super) fn upload_relief(&self, upload: &mut Upload, layer: u32, relief: &Relief) -> Result<()> {
+        upload.image(&self.relief, layer, 0, &relief.texels)
+    }
+}
+
+/// What the relief of a patch leaves of sun and sky, as half floats, and which sun that is.
+pub(super) struct Relief {
+    texels: Vec<[u16; 2]>,
+    /// Number of the sun.
+    pub(super) sun: u64,
+}
+
+impl Relief {
+    pub(super) fn new(map: &HorizonMap, sun: u64) -> Relief {
+        let half = |x: f32| half::f16::from_f32(x).to_bits();
+        Relief { texels: map.horizon.iter().zip(&map.sky).map(|(&h, &s)| [half(h), half(s)]).collect(), sun }
     }
 }
 

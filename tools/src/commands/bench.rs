@@ -13,12 +13,12 @@ use percentiles::{summarise, Line};
 use savings::VARIANTS;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
-use terrane::frame::STAGES;
+use terrane::frame::{Look, STAGES};
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
 use terrane::vulkan::GpuInfo;
-use terrane_planet::camera_path::Keyframe;
+use terrane_planet::camera_path::{CameraPath, Keyframe};
 use terrane_planet::sphere::direction_at;
 use terrane_planet::view::{View, TOLERANCE_RANGE};
 
@@ -92,15 +92,16 @@ impl Run for Bench {
         }
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
+        let look = self.look_along(&path);
         for _ in 0..self.warmup {
-            self.measure(&mut scene, &mut headless, &path.at(first), |view, _| view)?;
+            self.measure(&mut scene, &mut headless, &look, &path.at(first), |view, _| view)?;
         }
         let variants = if self.savings { &VARIANTS[..] } else { &VARIANTS[..1] };
         let (mut stands, mut costs) = (Vec::new(), vec![Vec::new(); variants.len()]);
         for frame in 0..self.frames {
             let stand = path.at(first + step * f64::from(frame));
             for ((_, change), costs) in variants.iter().zip(&mut costs) {
-                costs.push(self.measure(&mut scene, &mut headless, &stand, *change)?);
+                costs.push(self.measure(&mut scene, &mut headless, &look, &stand, *change)?);
             }
             stands.push(stand);
         }
@@ -126,18 +127,24 @@ impl Run for Bench {
 }
 
 impl Bench {
+    /// The look of the whole path: the sun stands still, as seen from where the path ends.
+    fn look_along(&self, path: &CameraPath) -> Look {
+        let end = path.at(path.span().1);
+        self.look.look(direction_at(end.latitude, end.longitude))
+    }
+
     fn measure(
         &self,
         scene: &mut Scene,
         headless: &mut Headless,
+        look: &Look,
         stand: &Keyframe,
         change: savings::Change,
     ) -> anyhow::Result<FrameCost> {
         let planet = scene.planet();
         let camera = camera_over(planet, stand, self.size);
         let view = change(self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), planet), planet);
-        let look = self.look.look(direction_at(stand.latitude, stand.longitude));
-        Ok(measure_frame(scene, headless, &view, &look)?)
+        Ok(measure_frame(scene, headless, &view, look)?)
     }
 
     /// What was measured on what.

@@ -43,6 +43,7 @@ impl Run for Shot {
         let camera = self.camera.camera(scene.planet())?;
         let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error), scene.planet());
         let look = self.look.look(self.camera.place());
+        scene.set_sun(look.sun);
         let cut = scene.settle(&view)?;
         let [width, height] = camera.size;
         let mut headless = Headless::new(&context, (width, height))?;

@@ -11,7 +11,6 @@ use terrane::measure::live::{LiveFaults, LiveFlight, LiveFrame};
 use terrane::scene::Scene;
 use terrane::vulkan::Context;
 use terrane_planet::camera_path::{CameraPath, Keyframe};
-use terrane_planet::sphere::direction_at;
 use terrane_planet::view::View;
 
 /// Frames at the end of the path after which nothing more is waited for.
@@ -41,10 +40,10 @@ impl Bench {
         let (mut rows, mut at_end) = (Vec::new(), Vec::new());
         let mut host = 0;
         let mut checking = 0.0;
+        let look = self.look_along(path);
         let mut flight = LiveFlight::new(context, scene, headless, step);
         for number in 0..self.frames as usize + MOST_FRAMES_AT_END {
             let stand = path.at((first + step * number as f64).min(last));
-            let look = self.look.look(direction_at(stand.latitude, stand.longitude));
             let (frame, seen, cut) = flight.frame(camera_over(&planet, &stand, self.size), &view, &look)?;
             host = host.max(flight.scene().host_bytes().0);
             let check = Instant::now();
