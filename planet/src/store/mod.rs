@@ -9,6 +9,7 @@ mod error;
 pub mod geometry;
 mod header;
 pub mod imagery;
+mod pending;
 mod planet_file;
 mod predict;
 pub mod record;
