@@ -20,4 +20,4 @@ pub use baked::{BakedPatch, PatchRecord};
 pub use error::{RecordError, StoreError};
 pub use header::PlanetHeader;
 pub use planet_file::PlanetFile;
-pub use schema::{APPLICATION_ID, FORMAT_VERSION};
+pub use schema::{is_planet_file, APPLICATION_ID, FORMAT_VERSION};
