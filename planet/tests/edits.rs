@@ -18,7 +18,7 @@ use terrane_planet::store::{BakedPatch, PatchRecord, PlanetFile, StoreError};
 
 const CELLS: u32 = 8;
 const LEVELS: u8 = 3;
-const CRATER: Shape = Shape::Crater { depth_m: 90.0 };
+const CRATER: Shape = Shape::Crater { depth_m: 90.0, ground_m: None };
 
 fn tiny() -> Recipe {
     Recipe::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/tiny.toml")).unwrap()
@@ -106,7 +106,8 @@ fn places() -> Vec<(&'static str, DVec3)> {
 
 #[test]
 fn edited_files_differ_from_bakes_of_the_edited_recipe() {
-    let shapes = [CRATER, Shape::Flatten { height_m: 333.0 }, Shape::Raise { by_m: -60.0 }];
+    let shapes =
+        [Shape::Crater { depth_m: 90.0, ground_m: Some(50.0) }, Shape::Flatten { height_m: 333.0 }, Shape::Raise { by_m: -60.0 }];
     let mut beyond = 0;
     for (k, (name, place)) in places().into_iter().enumerate() {
         let folder = tempfile::tempdir().unwrap();
@@ -264,9 +265,9 @@ fn bad_edits_change_the_file() {
         (Edit { radius_m: 10_001.0, ..good }, "from 0.1 to 10000"),
         (Edit { latitude_deg: 90.1, ..good }, "`latitude_deg`: found 90.1"),
         (Edit { longitude_deg: f64::INFINITY, ..good }, "`longitude_deg`: found inf"),
-        (Edit { shape: Shape::Crater { depth_m: -1.0 }, ..good }, "`depth_m`: found -1"),
+        (Edit { shape: Shape::Crater { depth_m: -1.0, ground_m: None }, ..good }, "`depth_m`: found -1"),
         (Edit { shape: Shape::Raise { by_m: 50_000.0 }, ..good }, "edit 1 (raise at 0, 0"),
-        (Edit { shape: Shape::Crater { depth_m: 20_000.0 }, ..good }, "make it less deep or high"),
+        (Edit { shape: Shape::Crater { depth_m: 20_000.0, ground_m: None }, ..good }, "make it less deep or high"),
     ];
     for (edit, message) in cases {
         let error = add(&mut file, &planet, edit).err().expect("a bad edit");

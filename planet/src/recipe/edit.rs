@@ -9,7 +9,13 @@ use std::ops::RangeInclusive;
 /// Smallest radius of an edit, in metres: a few lattice units on the largest planet.
 const LEAST_RADIUS_M: f64 = 0.1;
 
-/// Depths and heights, in metres.
+const LATITUDES: RangeInclusive<f64> = -90.0..=90.0;
+const LONGITUDES: RangeInclusive<f64> = -180.0..=180.0;
+
+/// Depths, in metres.
+const DEPTHS_M: RangeInclusive<f64> = 0.001..=1e5;
+
+/// Heights, in metres.
 const HEIGHTS_M: RangeInclusive<f64> = -1e5..=1e5;
 
 /// What an edit does to the ground.
@@ -19,6 +25,9 @@ pub enum Shape {
     Crater {
         /// Metres of its floor below the ground before (0.001 to 100000). The rim rises by a quarter of that.
         depth_m: f64,
+        /// Metres above the datum (-100000 to 100000) that the ground within the rim is levelled to, most in the middle, before the
+        /// crater is dug: an impact leaves no old relief. Without it the old relief shows through.
+        ground_m: Option<f64>,
     },
     /// A level place, with a smooth shoulder in the outer quarter of the radius.
     Flatten {
@@ -57,26 +66,47 @@ pub struct EditRange {
     pub range: RangeInclusive<f64>,
 }
 
+/// A key, its value and its range.
+type Number = (&'static str, f64, RangeInclusive<f64>);
+
 impl Shape {
-    /// Name, key, value and range of the one number that each shape has.
-    fn measure(self) -> (&'static str, &'static str, f64, RangeInclusive<f64>) {
+    /// Its name in recipes.
+    pub fn name(self) -> &'static str {
         match self {
-            Self::Crater { depth_m } => ("crater", "depth_m", depth_m, 0.001..=1e5),
-            Self::Flatten { height_m } => ("flatten", "height_m", height_m, HEIGHTS_M),
-            Self::Raise { by_m } => ("raise", "by_m", by_m, HEIGHTS_M),
+            Self::Crater { .. } => "crater",
+            Self::Flatten { .. } => "flatten",
+            Self::Raise { .. } => "raise",
         }
     }
 
-    /// Its name in recipes.
-    pub fn name(self) -> &'static str {
-        self.measure().0
+    fn numbers(self) -> Vec<Number> {
+        match self {
+            Self::Crater { depth_m, ground_m } => {
+                let ground = ground_m.map(|ground_m| ("ground_m", ground_m, HEIGHTS_M));
+                [("depth_m", depth_m, DEPTHS_M)].into_iter().chain(ground).collect()
+            }
+            Self::Flatten { height_m } => vec![("height_m", height_m, HEIGHTS_M)],
+            Self::Raise { by_m } => vec![("by_m", by_m, HEIGHTS_M)],
+        }
     }
 
-    /// Key and value of its number.
-    pub fn number(self) -> (&'static str, f64) {
-        let (_, key, value, _) = self.measure();
-        (key, value)
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        let kinds = "an edit: crater, flatten, raise";
+        match reader.string("kind", kinds)?.as_str() {
+            "crater" => Ok(Self::Crater {
+                depth_m: reader.number("depth_m", DEPTHS_M)?,
+                ground_m: reader.has("ground_m").then(|| reader.number("ground_m", HEIGHTS_M)).transpose()?,
+            }),
+            "flatten" => Ok(Self::Flatten { height_m: reader.number("height_m", HEIGHTS_M)? }),
+            "raise" => Ok(Self::Raise { by_m: reader.number("by_m", HEIGHTS_M)? }),
+            other => Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
+        }
     }
+}
+
+/// The radius must be at most so many metres: so that the reach is at most a planet's radius and chords tell near from far.
+fn radii(planet_m: f64) -> RangeInclusive<f64> {
+    LEAST_RADIUS_M..=planet_m / Edit::REACH
 }
 
 impl Edit {
@@ -91,15 +121,18 @@ impl Edit {
         }
     }
 
-    fn numbers(&self, planet_m: f64) -> [(&'static str, f64, RangeInclusive<f64>); 4] {
-        let (_, key, value, range) = self.shape.measure();
-        [
-            ("latitude_deg", self.latitude_deg, -90.0..=90.0),
-            ("longitude_deg", self.longitude_deg, -180.0..=180.0),
-            // The reach is at most a planet's radius, so that chords still tell near from far.
-            ("radius_m", self.radius_m, LEAST_RADIUS_M..=planet_m / Self::REACH),
-            (key, value, range),
-        ]
+    /// Keys and values as in recipes.
+    pub fn numbers(&self) -> Vec<(&'static str, f64)> {
+        self.ranges(f64::MAX).into_iter().map(|(key, value, _)| (key, value)).collect()
+    }
+
+    fn ranges(&self, planet_m: f64) -> Vec<Number> {
+        let place = [
+            ("latitude_deg", self.latitude_deg, LATITUDES),
+            ("longitude_deg", self.longitude_deg, LONGITUDES),
+            ("radius_m", self.radius_m, radii(planet_m)),
+        ];
+        place.into_iter().chain(self.shape.numbers()).collect()
     }
 
     /// Checks all numbers for a planet of `planet_m` metres radius.
@@ -107,44 +140,26 @@ impl Edit {
     /// # Errors
     /// Names the first that is out of range; a NaN is in no range.
     pub fn check(&self, planet_m: f64) -> Result<(), EditRange> {
-        let wrong = self.numbers(planet_m).into_iter().find(|(_, found, range)| !range.contains(found));
+        let wrong = self.ranges(planet_m).into_iter().find(|(_, found, range)| !range.contains(found));
         wrong.map_or(Ok(()), |(key, found, range)| Err(EditRange { key, found, range }))
     }
 
     pub(super) fn read(reader: &Reader<'_>, planet_m: f64) -> Result<Self, RecipeError> {
-        let kinds = "an edit: crater, flatten, raise";
-        let kind = reader.string("kind", kinds)?;
-        // Numbers that are still to be read are NaN.
-        let shape = match kind.as_str() {
-            "crater" => Shape::Crater { depth_m: f64::NAN },
-            "flatten" => Shape::Flatten { height_m: f64::NAN },
-            "raise" => Shape::Raise { by_m: f64::NAN },
-            other => return Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
+        let edit = Edit {
+            shape: Shape::read(reader)?,
+            latitude_deg: reader.number("latitude_deg", LATITUDES)?,
+            longitude_deg: reader.number("longitude_deg", LONGITUDES)?,
+            radius_m: reader.number("radius_m", radii(planet_m))?,
         };
-        let unread = Edit { latitude_deg: f64::NAN, longitude_deg: f64::NAN, radius_m: f64::NAN, shape };
-        let mut read = [0.0; 4];
-        for (read, (key, _, range)) in read.iter_mut().zip(unread.numbers(planet_m)) {
-            *read = reader.number(key, range)?;
-        }
         reader.finish()?;
-        let [latitude_deg, longitude_deg, radius_m, value] = read;
-        let shape = match shape {
-            Shape::Crater { .. } => Shape::Crater { depth_m: value },
-            Shape::Flatten { .. } => Shape::Flatten { height_m: value },
-            Shape::Raise { .. } => Shape::Raise { by_m: value },
-        };
-        Ok(Edit { latitude_deg, longitude_deg, radius_m, shape })
+        Ok(edit)
     }
 
     /// The text that appends this edit to a recipe, whatever the recipe ends with. Reading it gives the same edit, so the very text
     /// can be found again and taken away.
     pub(super) fn text(&self) -> String {
-        let (kind, key, value, _) = self.shape.measure();
-        let Edit { latitude_deg, longitude_deg, radius_m, .. } = self;
-        format!(
-            "\n[[edit]]\nkind = \"{kind}\"\nlatitude_deg = {latitude_deg:?}\nlongitude_deg = {longitude_deg:?}\n\
-             radius_m = {radius_m:?}\n{key} = {value:?}\n"
-        )
+        let numbers: String = self.numbers().iter().map(|(key, value)| format!("{key} = {value:?}\n")).collect();
+        format!("\n[[edit]]\nkind = \"{}\"\n{numbers}", self.shape.name())
     }
 }
 
@@ -153,7 +168,7 @@ impl fmt::Display for Edit {
         let Edit { latitude_deg, longitude_deg, radius_m, shape } = self;
         write!(f, "{} at {latitude_deg}, {longitude_deg}, radius {radius_m} m, ", shape.name())?;
         match shape {
-            Shape::Crater { depth_m } => write!(f, "{depth_m} m deep"),
+            Shape::Crater { depth_m, .. } => write!(f, "{depth_m} m deep"),
             Shape::Flatten { height_m } => write!(f, "to {height_m} m above the datum"),
             Shape::Raise { by_m } => write!(f, "by {by_m} m"),
         }

@@ -63,7 +63,10 @@ impl Site {
     /// The height at a squared distance of `t` squared radii, within reach.
     fn height(&self, before: f64, t: f64) -> f64 {
         match self.shape {
-            Shape::Crater { depth_m } => before + depth_m * crater(t),
+            Shape::Crater { depth_m, ground_m } => {
+                let ground = ground_m.map_or(before, |ground_m| before + (ground_m - before) * erased(t));
+                ground + depth_m * crater(t)
+            }
             Shape::Flatten { height_m } => before + (height_m - before) * level(t),
             Shape::Raise { by_m } => before + by_m * (1.0 - t) * (1.0 - t),
         }
@@ -72,7 +75,10 @@ impl Site {
     /// Bounds of the height after this edit, from those before.
     fn bounds(&self, (low, high): (f64, f64)) -> (f64, f64) {
         let (low, high) = match self.shape {
-            Shape::Crater { depth_m } => (low - depth_m, high + depth_m * f64::from(RIM)),
+            Shape::Crater { depth_m, ground_m } => {
+                let (low, high) = (low.min(ground_m.unwrap_or(low)), high.max(ground_m.unwrap_or(high)));
+                (low - depth_m, high + depth_m * f64::from(RIM))
+            }
             Shape::Flatten { height_m } => (low.min(height_m), high.max(height_m)),
             Shape::Raise { by_m } => (low + by_m.min(0.0), high + by_m.max(0.0)),
         };
@@ -99,6 +105,16 @@ fn crater(t: f64) -> f64 {
     let way = (t - 1.0) / (Edit::REACH * Edit::REACH - 1.0);
     let end = 1.0 - way * way;
     f64::from(RIM) / (t * t.sqrt()) * (end * end)
+}
+
+/// How much of the old relief a crater erases: all in the middle, nothing from the rim on.
+fn erased(t: f64) -> f64 {
+    let left = 1.0 - t * t;
+    if t < 1.0 {
+        left * left
+    } else {
+        0.0
+    }
 }
 
 /// How level a flattened place is: 1 inside, smoothly to 0 at its radius.
@@ -185,11 +201,12 @@ mod tests {
         height[0]
     }
 
-    const SHAPES: [Shape; 3] = [Shape::Crater { depth_m: 40.0 }, Shape::Flatten { height_m: 25.0 }, Shape::Raise { by_m: -7.0 }];
+    const SHAPES: [Shape; 3] =
+        [Shape::Crater { depth_m: 40.0, ground_m: Some(12.0) }, Shape::Flatten { height_m: 25.0 }, Shape::Raise { by_m: -7.0 }];
 
     #[test]
     fn middles_are_not_as_asked() {
-        for (shape, expected) in SHAPES.into_iter().zip([-30.0, 25.0, 3.0]) {
+        for (shape, expected) in SHAPES.into_iter().zip([-28.0, 25.0, 3.0]) {
             assert!((section(shape, 0.0) - expected).abs() < 1e-9, "{shape:?}: {}", section(shape, 0.0));
         }
         assert!((section(SHAPES[0], 100.0) - 20.0).abs() < 1e-3, "the rim");

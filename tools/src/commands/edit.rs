@@ -75,11 +75,8 @@ enum Action {
 
 /// An edit as `--json` prints it.
 pub(crate) fn edit_json(edit: &GroundEdit) -> Value {
-    let (key, value) = edit.shape.number();
-    json!({
-        "kind": edit.shape.name(), "latitude_deg": edit.latitude_deg, "longitude_deg": edit.longitude_deg,
-        "radius_m": edit.radius_m, key: value,
-    })
+    let numbers = edit.numbers().into_iter().map(|(key, value)| (key.to_owned(), value.into()));
+    [("kind".to_owned(), edit.shape.name().into())].into_iter().chain(numbers).collect::<serde_json::Map<_, _>>().into()
 }
 
 impl Area {
@@ -87,6 +84,13 @@ impl Area {
         let [latitude_deg, longitude] = self.at;
         let turns = if (180.0..=360.0).contains(&longitude.abs()) { longitude.signum() } else { 0.0 };
         GroundEdit { latitude_deg, longitude_deg: longitude - 360.0 * turns, radius_m: self.radius, shape }
+    }
+
+    /// Mean height of the ground there, once there is known to be a place on the planet.
+    fn mean_height(self, planet: &Planet) -> anyhow::Result<f64> {
+        let place = self.edit(Shape::Raise { by_m: 0.0 });
+        place.check(planet.recipe.radius)?;
+        Ok(mean_height(planet, place.latitude_deg, place.longitude_deg, place.radius_m))
     }
 }
 
@@ -138,15 +142,11 @@ impl Edit {
         let edit = match self.action {
             Action::List | Action::Resume => return Ok(None),
             Action::Undo => return Ok(Some(undo(file, planet)?)),
-            Action::Crater { area, depth } => area.edit(Shape::Crater { depth_m: depth }),
             Action::Raise { area, by } => area.edit(Shape::Raise { by_m: by }),
-            Action::Flatten { area, height } => {
-                let GroundEdit { latitude_deg, longitude_deg, radius_m, .. } = area.edit(Shape::Flatten { height_m: 0.0 });
-                let mean = || {
-                    area.edit(Shape::Flatten { height_m: 0.0 }).check(planet.recipe.radius)?;
-                    anyhow::Ok(mean_height(planet, latitude_deg, longitude_deg, radius_m))
-                };
-                area.edit(Shape::Flatten { height_m: height.map_or_else(mean, Ok)? })
+            Action::Flatten { area, height: Some(height) } => area.edit(Shape::Flatten { height_m: height }),
+            Action::Flatten { area, height: None } => area.edit(Shape::Flatten { height_m: area.mean_height(planet)? }),
+            Action::Crater { area, depth } => {
+                area.edit(Shape::Crater { depth_m: depth, ground_m: Some(area.mean_height(planet)?) })
             }
         };
         Ok(Some(add(file, planet, edit)?))
