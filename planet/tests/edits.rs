@@ -17,7 +17,7 @@ use terrane_planet::sphere::{direction, place_of, ONE};
 use terrane_planet::store::{BakedPatch, PatchRecord, PlanetFile, StoreError};
 
 const CELLS: u32 = 8;
-const LEVELS: u8 = 3;
+const LEVELS: u8 = 2;
 const CRATER: Shape = Shape::Crater { depth_m: 90.0, ground_m: None };
 
 fn tiny() -> Recipe {
@@ -113,7 +113,7 @@ fn edited_files_differ_from_bakes_of_the_edited_recipe() {
         let folder = tempfile::tempdir().unwrap();
         let mut file = copy(folder.path());
         let before = rows(&file);
-        let edit = edit_at(place, [400.0, 700.0, 1500.0][k % 3], shapes[(k + k / 3) % 3]);
+        let edit = edit_at(place, [900.0, 1200.0, 1500.0][k % 3], shapes[(k + k / 3) % 3]);
         let changed = make(&mut file, edit);
         let fresh_planet = Planet::from_recipe(changed.planet.recipe.clone(), CELLS).unwrap();
         let plan = BakePlan::new(fresh_planet.recipe.radius, LEVELS, None).unwrap();
@@ -123,7 +123,7 @@ fn edited_files_differ_from_bakes_of_the_edited_recipe() {
         assert_eq!(file.pending().unwrap(), []);
         let reached = differing(&before, &fresh);
         assert!(!reached.is_empty() && reached.len() <= changed.touched, "{name}: {} of {}", reached.len(), changed.touched);
-        assert!(changed.touched < 120, "{name}: {} patches touched", changed.touched);
+        assert!(changed.touched < 60, "{name}: {} patches touched", changed.touched);
         // Patches whose ground the edit does not reach, but whose gutters or sides do.
         let far = |id: &&PatchId| id.centre().angle_between(place) * 30e3 > edit.reach_m() + 38e3 / f64::from(1u32 << id.level);
         beyond += reached.iter().filter(far).count();
@@ -140,7 +140,7 @@ fn the_comparison_misses_a_patch_that_was_not_rebuilt() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
     let before = rows(&file);
-    make(&mut file, edit_at(DVec3::new(1.0, 0.3, 0.2).normalize(), 200.0, CRATER));
+    make(&mut file, edit_at(DVec3::new(1.0, 0.3, 0.2).normalize(), 900.0, CRATER));
     let edited = rows(&file);
     for id in differing(&edited, &before) {
         let mut stale = edited.clone();
@@ -152,12 +152,12 @@ fn the_comparison_misses_a_patch_that_was_not_rebuilt() {
 #[test]
 fn deep_regions_and_coarse_grids_keep_stale_patches() {
     let folder = tempfile::tempdir().unwrap();
-    for (cells, place) in [(8, DVec3::ONE.normalize()), (32, direction(IVec3::new(ONE / 2, ONE, ONE / 64)))] {
+    for (cells, place) in [(8, DVec3::ONE.normalize()), (16, direction(IVec3::new(ONE / 2, ONE, ONE / 64)))] {
         let planet = Planet::from_recipe(tiny(), cells).unwrap();
-        let region = Region { direction: place, radius_m: 20.0, to_level: 10 };
+        let region = Region { direction: place, radius_m: 20.0, to_level: 8 };
         let plan = BakePlan::new(planet.recipe.radius, 0, Some(region)).unwrap();
         let mut file = baked(&folder.path().join(format!("{cells}.planet")), &planet, &plan);
-        for (offset, radius_m) in [(0.0, 2.0), (3e-4, 30.0), (0.02, 1.0)] {
+        for (offset, radius_m) in [(0.0, 20.0), (3e-3, 60.0)] {
             let edit = edit_at((place + DVec3::new(0.0, offset, 0.0)).normalize(), radius_m, CRATER);
             let changed = make(&mut file, edit);
             let fresh_planet = Planet::from_recipe(changed.planet.recipe, cells).unwrap();

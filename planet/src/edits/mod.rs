@@ -121,11 +121,10 @@ pub fn mean_height(planet: &Planet, latitude_deg: f64, longitude_deg: f64, radiu
 fn change(file: &mut PlanetFile, recipe: Recipe, edit: Edit) -> Result<Changed, EditError> {
     let planet = Planet::from_recipe(recipe, file.header().cells)?;
     let reach = Touched::new(&edit, planet.recipe.radius, planet.cells);
-    let removed: Vec<PatchId> = file.ids()?.into_iter().filter(|&id| reach.touches(id)).collect();
-    let faces: Vec<PatchId> = removed.iter().copied().filter(|id| id.level == 0).collect();
+    let faces: Vec<PatchId> = PatchId::roots().filter(|&id| reach.touches(id)).collect();
     let built = faces.iter().map(|&id| build(&planet, id)).collect::<Result<Vec<_>, _>>()?;
-    file.replace_ground(&planet.header(), &removed, &built)?;
-    Ok(Changed { planet, edit, touched: removed.len(), faces: built.len() })
+    let touched = file.replace_ground(&planet.header(), &|id| reach.touches(id), &built)?;
+    Ok(Changed { planet, edit, touched, faces: built.len() })
 }
 
 fn build(planet: &Planet, id: PatchId) -> Result<BakedPatch, BakeError> {

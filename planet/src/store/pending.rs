@@ -20,18 +20,23 @@ pub(super) fn list(connection: &Connection) -> rusqlite::Result<Vec<Option<Patch
     ids
 }
 
-/// Removes patches of the file. Those that were there to stay are pending from now on; cached ones just go.
-pub(super) fn put_off(connection: &Connection, ids: &[PatchId]) -> rusqlite::Result<()> {
+/// Removes the patches that are touched, and returns how many. Those that were there to stay are pending from now on; cached ones just
+/// go.
+pub(super) fn put_off(connection: &Connection, touched: &dyn Fn(PatchId) -> bool) -> rusqlite::Result<usize> {
     connection.execute_batch("CREATE TABLE IF NOT EXISTS pending (key INTEGER PRIMARY KEY)")?;
+    let mut all = connection.prepare("SELECT key FROM patch")?;
+    let keys = all.query_map([], |row| row.get(0))?.collect::<rusqlite::Result<Vec<i64>>>()?;
     let mut uncache = connection.prepare_cached("DELETE FROM cached WHERE key = ?1")?;
     let mut insert = connection.prepare_cached("INSERT OR IGNORE INTO pending VALUES (?1)")?;
-    ids.iter().map(|&id| rows::key(id)).try_for_each(|key| {
+    let mut removed = 0;
+    for key in keys.into_iter().filter(|&key| rows::id(key).is_some_and(touched)) {
         rows::remove(connection, key)?;
+        removed += 1;
         if uncache.execute([key])? == 0 {
             insert.execute([key])?;
         }
-        Ok(())
-    })
+    }
+    Ok(removed)
 }
 
 /// Notes that patches are back.

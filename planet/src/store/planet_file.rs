@@ -209,21 +209,28 @@ impl PlanetFile {
         Ok(ids)
     }
 
-    /// Puts another ground in place of the file's, all or nothing: its header (of the same planet, grid and lattice), `removed` patches,
-    /// which are pending from now on unless they were only cached, and `built` patches that are back at once.
+    /// Puts another ground in place of the file's, all or nothing: its header (of the same planet, grid and lattice); all patches that
+    /// are touched go, to be pending unless they were only cached; and `built` patches are back at once. Returns how many are touched.
+    /// They are found within the transaction: a flight may add patches until it begins, and none of the ground before from then on.
     ///
     /// # Errors
-    /// If the file was opened for reading, cannot be written, lacks a removed patch, or was edited meanwhile.
-    pub fn replace_ground(&mut self, header: &PlanetHeader, removed: &[PatchId], built: &[BakedPatch]) -> Result<(), StoreError> {
+    /// If the file was opened for reading, cannot be written, or was edited meanwhile.
+    pub fn replace_ground(
+        &mut self,
+        header: &PlanetHeader,
+        touched: &dyn Fn(PatchId) -> bool,
+        built: &[BakedPatch],
+    ) -> Result<usize, StoreError> {
+        let mut removed = 0;
         self.transaction("edit the ground", |connection| {
             header::replace(connection, header)?;
-            pending::put_off(connection, removed)?;
+            removed = pending::put_off(connection, touched)?;
             rows::insert(connection, built)?;
             pending::done(connection, built.iter().map(|p| p.record.id))
         })?;
         self.header = header.clone();
         self.checksum = header.checksum();
-        Ok(())
+        Ok(removed)
     }
 
     /// Adds patches, all or none of them, to stay. Patches that the file holds already are the same and stay as they are; if they were

@@ -164,11 +164,9 @@ impl Edits {
     pub(super) fn bounds(&self, layers: (f64, f64)) -> Vec<(f64, f64)> {
         let mut bounds: Vec<(f64, f64)> = Vec::with_capacity(self.sites.len());
         for site in &self.sites {
-            let meets =
-                |earlier: &&(usize, &Site)| earlier.1.centre.distance(site.centre) <= earlier.1.reach + site.reach + WIDENING;
-            let earlier: Vec<(usize, &Site)> = self.sites[..bounds.len()].iter().enumerate().collect();
-            let before =
-                earlier.iter().filter(meets).fold(layers, |(low, high), (i, _)| (low.min(bounds[*i].0), high.max(bounds[*i].1)));
+            let meets = |earlier: &Site| earlier.centre.distance(site.centre) <= earlier.reach + site.reach + WIDENING;
+            let before = self.sites.iter().zip(&bounds).filter(|(earlier, _)| meets(earlier));
+            let before = before.fold(layers, |(low, high), (_, met)| (low.min(met.0), high.max(met.1)));
             bounds.push(site.bounds(before));
         }
         bounds
