@@ -5,6 +5,9 @@ use glam::{DVec3, IVec3};
 /// Lattice positions stay within ±this many units, so that differences of two of them fit an `i32`.
 pub const EXTENT: i32 = 1 << 30;
 
+/// Farthest that ground may lie from the centre, in units: room for rounding within [`EXTENT`].
+const FARTHEST: f64 = EXTENT as f64 - 2.0;
+
 /// Unit and radius of one planet's lattice.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Lattice {
@@ -22,13 +25,18 @@ impl Lattice {
     pub fn new(radius: f64, highest: f64) -> Lattice {
         let reach = radius + highest.max(0.0);
         let mut unit = 1.0;
-        while reach / unit >= f64::from(EXTENT) - 2.0 {
+        while reach / unit >= FARTHEST {
             unit *= 2.0;
         }
-        while reach / (unit / 2.0) < f64::from(EXTENT) - 2.0 {
+        while reach / (unit / 2.0) < FARTHEST {
             unit /= 2.0;
         }
         Lattice { unit, radius: radius / unit }
+    }
+
+    /// Highest ground that the lattice holds, in metres above the datum.
+    pub fn highest(&self) -> f64 {
+        (FARTHEST - 1.0 - self.radius) * self.unit
     }
 
     /// Mean distance in units of neighbouring samples of a level's patches, of `cells` cells a side.

@@ -5,7 +5,7 @@ use crate::ground::{Elevation, Ground, GroundColour, GroundPoint};
 use crate::lattice::Lattice;
 use crate::patch::{PatchId, MAX_CELLS, MAX_LEVEL, MIN_CELLS};
 use crate::progressive::PatchMesh;
-use crate::recipe::{Recipe, RecipeError};
+use crate::recipe::{Edit, Recipe, RecipeError};
 use crate::simplify::builder::Faults;
 use crate::store::PlanetHeader;
 use crate::terrain::Terrain;
@@ -42,6 +42,21 @@ pub enum PlanetError {
         /// Cells asked for.
         found: u32,
     },
+    /// An edit that raises or lowers the ground past what can be told apart.
+    #[error(
+        "edit {place} ({edit}): the ground there may lie between {} m and {} m, expected within {} m and {} m of the datum; \
+         make it less deep or high", range.0.round(), range.1.round(), limits.0.ceil(), limits.1.floor()
+    )]
+    EditTooHigh {
+        /// Place among the edits, from 1.
+        place: usize,
+        /// The edit.
+        edit: Edit,
+        /// Bounds of the heights there, in metres.
+        range: (f64, f64),
+        /// What the planet has room for.
+        limits: (f64, f64),
+    },
     /// A planet file whose lattice is not that of its recipe.
     #[error("'{name}': the file's lattice has unit {found} m, expected {expected} m from its recipe; bake it again")]
     Lattice {
@@ -52,6 +67,19 @@ pub enum PlanetError {
         /// Unit of the recipe, in metres.
         expected: f64,
     },
+}
+
+/// Lowest that an edit may dig, as a share of the planet's radius.
+const DEEPEST_EDIT: f64 = 0.5;
+
+/// Refuses edits that leave the lattice, which they must not change.
+fn check_edits(recipe: &Recipe, terrain: &Terrain, lattice: &Lattice) -> Result<(), PlanetError> {
+    let limits = (-DEEPEST_EDIT * recipe.radius, lattice.highest());
+    let leaves = |range: &(f64, f64)| range.0 < limits.0 || range.1 > limits.1;
+    match terrain.edits_range().iter().position(leaves) {
+        None => Ok(()),
+        Some(i) => Err(PlanetError::EditTooHigh { place: i + 1, edit: recipe.edits[i], range: terrain.edits_range()[i], limits }),
+    }
 }
 
 /// A planet, ready to build patches of.
@@ -76,7 +104,8 @@ impl Planet {
             return Err(PlanetError::Cells { found: cells });
         }
         let terrain = Terrain::new(&recipe)?;
-        let lattice = Lattice::new(recipe.radius, terrain.height_range().1);
+        let lattice = Lattice::new(recipe.radius, terrain.layers_range().1);
+        check_edits(&recipe, &terrain, &lattice)?;
         Ok(Planet { recipe, terrain, lattice, cells })
     }
 

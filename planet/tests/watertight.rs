@@ -7,34 +7,10 @@ mod whole_planet;
 use common::TestField;
 use std::collections::HashMap;
 use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::{at_data_rim, cut, Cut};
-use terrane_planet::reference::{
-    emit::emit,
-    resolve::resolve,
-    select::{select, Selected},
-};
-use terrane_planet::verify::{SurfaceCheck, SurfaceReport};
+use terrane_planet::reference::cut::cut;
+use terrane_planet::verify::SurfaceReport;
 use terrane_planet::view::View;
-use whole_planet::{planet, views, Planet};
-
-/// Report and closure violations (away from the rim of the data) of a cut drawn without culling.
-fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (SurfaceReport, usize) {
-    let mut check = SurfaceCheck::default();
-    let mut violations = 0;
-    for leaf in &cut.leaves {
-        let (patch, rings) = &planet.patches[&leaf.id];
-        let work = patch.reach.work(view);
-        let vertices = &patch.vertices[..work.vertices as usize];
-        let sides = if forget_sides { 0 } else { u32::from(leaf.coarser_sides) };
-        let Selected { awake, places } = select(&view.gpu, vertices, sides);
-        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(vertices, &awake), &places);
-        check.add(vertices, &places, &triangles);
-        if !at_data_rim(&planet.tree, leaf) {
-            violations += rings.violations(&awake, &places);
-        }
-    }
-    (check.finish(), violations)
-}
+use whole_planet::{draw, planet, views, Planet};
 
 #[test]
 fn every_view_is_watertight_unflipped_and_closed() {

@@ -13,6 +13,7 @@ use crate::progressive::PatchMesh;
 use crate::simplify::builder::Faults;
 use crate::store::{BakedPatch, PlanetFile, RecordError, StoreError};
 use crate::texture::PatchTexture;
+use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::sync_channel;
 use std::time::{Duration, Instant};
@@ -42,7 +43,7 @@ pub struct Progress {
 /// What a bake did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct BakeSummary {
-    /// Patches in the plan.
+    /// Patches in the plan, and those that were pending.
     pub planned: usize,
     /// Patches built and stored.
     pub built: usize,
@@ -113,7 +114,7 @@ pub fn build_patch(ground: &Ground, colour: &dyn GroundColour, id: PatchId) -> (
 
 type Outcome = Result<(BakedPatch, Faults), BakeError>;
 
-/// Builds every patch of the plan that the file lacks, on `threads` threads (at least one). `progress` is called on the calling
+/// Builds every patch of the plan that the file lacks, and those that an edit of the ground has left pending, on `threads` threads (at least one). `progress` is called on the calling
 /// thread after every patch. Setting `stop` ends the bake soon; finished patches are kept.
 ///
 /// # Errors
@@ -130,14 +131,18 @@ pub fn bake(
     let start = Instant::now();
     let ground = Ground { elevation, lattice: file.header().lattice, cells: file.header().cells };
     let stored = file.ids()?;
-    let missing: Vec<PatchId> = plan.patches.iter().copied().filter(|id| !stored.contains(id)).collect();
+    let mut wanted = file.pending()?;
+    let planned: HashSet<PatchId> = plan.patches.iter().copied().collect();
+    wanted.retain(|id| !planned.contains(id));
+    wanted.extend_from_slice(&plan.patches);
+    let missing: Vec<PatchId> = wanted.iter().copied().filter(|id| !stored.contains(id)).collect();
     if let Some(region) = &plan.region {
         file.note_region(region)?;
     }
-    let there: Vec<PatchId> = plan.patches.iter().copied().filter(|id| stored.contains(id)).collect();
+    let there: Vec<PatchId> = wanted.iter().copied().filter(|id| stored.contains(id)).collect();
     file.keep(&there)?;
     let skipped = there.len();
-    let mut summary = BakeSummary { planned: plan.patches.len(), skipped, ..BakeSummary::default() };
+    let mut summary = BakeSummary { planned: wanted.len(), skipped, ..BakeSummary::default() };
     let vertices = u64::from(ground.cells + 1).pow(2);
     let next = AtomicUsize::new(0);
     let failed = AtomicBool::new(false);

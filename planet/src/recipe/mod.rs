@@ -1,11 +1,13 @@
 //! A planet's recipe: TOML text and the images it names, range-checked. In: text, or a file. Out: a [`Recipe`], from
 //! which [`crate::terrain::Terrain`] is built. Keys, units and ranges are documented in `recipes/README.md`.
 
+mod edit;
 mod error;
 mod layer;
 mod palette;
 mod reader;
 
+pub use edit::{Edit, EditRange, Shape};
 pub use error::RecipeError;
 pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
 pub use palette::{Airless, Colour, Living, Palette};
@@ -63,6 +65,8 @@ pub struct Recipe {
     pub atmosphere: Option<Atmosphere>,
     /// Layers of the terrain, in the order in which they are composed.
     pub layers: Vec<Layer>,
+    /// Changes of the ground after all layers, in order.
+    pub edits: Vec<Edit>,
     /// Ground colours.
     pub palette: Palette,
     /// The text this recipe was read from.
@@ -132,11 +136,30 @@ impl Recipe {
         let sea = reader.table("sea")?.map(|r| Sea::read(&r)).transpose()?;
         let atmosphere = reader.table("atmosphere")?.map(|r| Atmosphere::read(&r)).transpose()?;
         let layers = reader.tables("layer")?.iter().map(|r| Layer::read(r, radius)).collect::<Result<_, _>>()?;
+        let edits = reader.tables("edit")?.iter().map(|r| Edit::read(r, radius)).collect::<Result<_, _>>()?;
         let palette = reader.table("palette")?.ok_or_else(|| reader.wrong("palette", 1, "nothing", "a table"))?;
         let palette = Palette::read(&palette)?;
         reader.finish()?;
         let (text, file) = (text.to_owned(), file.to_owned());
-        Ok(Self { name, radius, seed, sea, atmosphere, layers, palette, text, assets: Vec::new(), file })
+        Ok(Self { name, radius, seed, sea, atmosphere, layers, edits, palette, text, assets: Vec::new(), file })
+    }
+
+    /// The same planet with one edit more, at the end of its text.
+    ///
+    /// # Errors
+    /// If a number of the edit is out of range, or if nothing can follow the text.
+    pub fn with_edit(&self, edit: &Edit) -> Result<Self, RecipeError> {
+        Self::from_parts(&(self.text.clone() + &edit.text()), &self.file, self.assets.clone())
+    }
+
+    /// The planet as it was before [`Recipe::with_edit`], to the very text. `None` if no edit ends the text: there is none, or it was
+    /// written by hand.
+    ///
+    /// # Errors
+    /// As [`Recipe::from_parts`].
+    pub fn without_last_edit(&self) -> Result<Option<Self>, RecipeError> {
+        let before = self.edits.last().and_then(|last| self.text.strip_suffix(&last.text()));
+        before.map(|text| Self::from_parts(text, &self.file, self.assets.clone())).transpose()
     }
 
     fn heightmaps(&self) -> Vec<Heightmap> {

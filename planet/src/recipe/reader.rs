@@ -27,7 +27,8 @@ impl Source<'_> {
 pub(crate) struct Reader<'a> {
     source: &'a Source<'a>,
     path: String,
-    line: usize,
+    /// Byte offset of the table. Its line is counted only for messages: a recipe may have thousands of edits.
+    start: usize,
     table: &'a DeTable<'a>,
     asked: RefCell<Vec<&'static str>>,
 }
@@ -35,11 +36,11 @@ pub(crate) struct Reader<'a> {
 impl<'a> Reader<'a> {
     /// Reads the document's top-level table.
     pub(crate) fn new(source: &'a Source<'a>, table: &'a DeTable<'a>) -> Self {
-        Self::nested(source, String::new(), 1, table)
+        Self::nested(source, String::new(), 0, table)
     }
 
-    fn nested(source: &'a Source<'a>, path: String, line: usize, table: &'a DeTable<'a>) -> Self {
-        Self { source, path, line, table, asked: RefCell::default() }
+    fn nested(source: &'a Source<'a>, path: String, start: usize, table: &'a DeTable<'a>) -> Self {
+        Self { source, path, start, table, asked: RefCell::default() }
     }
 
     /// Dotted path of a key of this table.
@@ -53,7 +54,7 @@ impl<'a> Reader<'a> {
 
     /// Line of a key's value, or of the table where the key is missing.
     pub(crate) fn line_of(&self, key: &'static str) -> usize {
-        self.find(key).map_or(self.line, |v| self.source.line(v.span().start))
+        self.source.line(self.find(key).map_or(self.start, |v| v.span().start))
     }
 
     fn find(&self, key: &'static str) -> Option<&'a Spanned<DeValue<'a>>> {
@@ -70,7 +71,7 @@ impl<'a> Reader<'a> {
     }
 
     fn require(&self, key: &'static str, expected: &str) -> Result<&'a Spanned<DeValue<'a>>, RecipeError> {
-        self.find(key).ok_or_else(|| self.wrong(key, self.line, "nothing", expected))
+        self.find(key).ok_or_else(|| self.wrong(key, self.source.line(self.start), "nothing", expected))
     }
 
     /// An error about a key of this table.
@@ -166,8 +167,7 @@ impl<'a> Reader<'a> {
     pub(crate) fn table(&self, key: &'static str) -> Result<Option<Reader<'a>>, RecipeError> {
         let Some(value) = self.find(key) else { return Ok(None) };
         let table = value.get_ref().as_table().ok_or_else(|| self.wrong_value(key, value, "a table"))?;
-        let line = self.source.line(value.span().start);
-        Ok(Some(Self::nested(self.source, self.path_of(key), line, table)))
+        Ok(Some(Self::nested(self.source, self.path_of(key), value.span().start, table)))
     }
 
     /// An array of tables; empty where the key is missing.
@@ -180,7 +180,7 @@ impl<'a> Reader<'a> {
         let read = |(index, item): (usize, &'a Spanned<DeValue<'a>>)| {
             let table = item.get_ref().as_table().ok_or_else(|| self.wrong_value(key, item, expected))?;
             let path = format!("{}[{index}]", self.path_of(key));
-            Ok(Self::nested(self.source, path, self.source.line(item.span().start), table))
+            Ok(Self::nested(self.source, path, item.span().start, table))
         };
         array.iter().enumerate().map(read).collect()
     }

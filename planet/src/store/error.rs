@@ -129,6 +129,21 @@ pub enum StoreError {
         /// In the planet at hand.
         expected: String,
     },
+    /// A planet file whose ground was edited since it was baked from the recipe at hand.
+    #[error(
+        "{file}: its ground was edited, so the recipe alone no longer describes it; to bake more of the edited planet name the file \
+         itself as the recipe, or undo the edits"
+    )]
+    Edited {
+        /// The planet file.
+        file: PathBuf,
+    },
+    /// A planet file whose ground was edited, or an edit undone, since it was opened.
+    #[error("{file}: its ground was edited since it was opened; open it again")]
+    Changed {
+        /// The planet file.
+        file: PathBuf,
+    },
     /// The file as a whole is damaged or cut short.
     #[error("{file}: damaged: {what}; delete it and bake it again")]
     Damaged {
@@ -158,7 +173,7 @@ pub enum StoreError {
         id: PatchId,
     },
     /// Writing to a file that was opened for reading.
-    #[error("{file}: opened for reading only; open it with create_or_resume to add patches")]
+    #[error("{file}: opened for reading only; open it with create_or_resume or open_to_edit to change it")]
     ReadOnly {
         /// The planet file.
         file: PathBuf,

@@ -1,4 +1,5 @@
-//! What a planet file says about its planet: written once, when the file is made, and checked whenever it is opened.
+//! What a planet file says about its planet: written when the file is made and when its ground is edited, and checked whenever it is
+//! opened.
 
 use super::error::{failure, StoreError};
 use super::geometry;
@@ -80,6 +81,13 @@ fn write_header(draft: &Path, header: &PlanetHeader) -> rusqlite::Result<()> {
     }
     transaction.commit()?;
     connection.close().map_err(|(_, source)| source)
+}
+
+/// Puts another recipe and its height range in place of those in the file; all else stays.
+pub(super) fn replace(connection: &Connection, header: &PlanetHeader) -> rusqlite::Result<()> {
+    let [lowest, highest] = header.height_range;
+    let values = params![header.recipe, lowest, highest, header.checksum()];
+    connection.execute("UPDATE planet SET recipe = ?1, lowest_m = ?2, highest_m = ?3, checksum = ?4", values).map(drop)
 }
 
 fn header_checksum(header: &PlanetHeader, kappa: f64, deviation_share: f64) -> u32 {
@@ -174,8 +182,10 @@ pub(super) fn check_same(path: &Path, found: &PlanetHeader, expected: &PlanetHea
         (found.lattice != expected.lattice, "the lattice", lattice(found), lattice(expected)),
         (found.height_range != expected.height_range, "the height range", range(found), range(expected)),
     ];
+    let edits = found.recipe.strip_prefix(&expected.recipe).filter(|rest| rest.starts_with("\n[[edit]]"));
     match differs.into_iter().find(|d| d.0) {
         None => Ok(()),
+        Some((_, "the recipe", ..)) if edits.is_some() => Err(StoreError::Edited { file: path.to_owned() }),
         Some((_, what, found, expected)) => Err(StoreError::Differs { file: path.to_owned(), what, found, expected }),
     }
 }

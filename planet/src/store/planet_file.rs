@@ -2,13 +2,14 @@
 //!
 //! Crash safety is SQLite's rollback journal: a transaction is there as a whole or not at all, and the next one to open the
 //! file cleans up. Reading and writing may go on at once from several processes; a [`PlanetFile`] itself belongs to one thread
-//! at a time, and every reader opens its own.
+//! at a time, and every reader opens its own. When the ground is edited meanwhile, all patches are absent to those who opened the file
+//! before, and they can write none: what they know and build is of the ground before.
 
 use super::baked::{BakedPatch, PatchRecord};
 use super::error::{failure, RecordError, StoreError};
 use super::header::{self, PlanetHeader};
 use super::schema::check_stamp;
-use super::{cached, geometry, imagery, rows};
+use super::{cached, geometry, imagery, pending, rows};
 use crate::bake::Region;
 use crate::patch::PatchId;
 use crate::progressive::PatchMesh;
@@ -28,6 +29,8 @@ pub struct PlanetFile {
     connection: Connection,
     path: PathBuf,
     header: PlanetHeader,
+    /// Of the header: in the file it changes when the ground is edited.
+    checksum: u32,
     writable: bool,
 }
 
@@ -44,6 +47,20 @@ impl PlanetFile {
         let file = PlanetFile::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE, true)?;
         header::check_same(path, &file.header, header)?;
         Ok(file)
+    }
+
+    /// Opens a file that there is, to change it.
+    ///
+    /// # Errors
+    /// As [`PlanetFile::open`], and if the file is marked read-only.
+    pub fn open_to_edit(path: &Path) -> Result<PlanetFile, StoreError> {
+        check_stamp(path)?;
+        let system = |source| StoreError::System { file: path.to_owned(), action: "open the planet file for writing", source };
+        if std::fs::metadata(path).map_err(system)?.permissions().readonly() {
+            // SQLite would open it, and refuse the first change without saying why.
+            return Err(system(std::io::Error::new(std::io::ErrorKind::PermissionDenied, "the file is read-only")));
+        }
+        PlanetFile::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE, true)
     }
 
     /// Opens a file for reading.
@@ -66,7 +83,8 @@ impl PlanetFile {
         let connection = Connection::open_with_flags(path, access | OpenFlags::SQLITE_OPEN_NO_MUTEX).map_err(failed)?;
         prepare(&connection).map_err(failed)?;
         let header = header::read(&connection, path)?;
-        Ok(PlanetFile { connection, path: path.to_owned(), header, writable })
+        let checksum = header.checksum();
+        Ok(PlanetFile { connection, path: path.to_owned(), header, checksum, writable })
     }
 
     /// What the file says about its planet.
@@ -87,6 +105,9 @@ impl PlanetFile {
         let failed = |source| failure(&self.path, "read the patch index", source);
         // One transaction, so that rows and tally are of one moment.
         let moment = self.connection.unchecked_transaction().map_err(failed)?;
+        if !self.is_current().map_err(failed)? {
+            return Err(StoreError::Changed { file: self.path.clone() });
+        }
         let mut statement = moment.prepare_cached(&format!("SELECT {} FROM patch", rows::COLUMNS)).map_err(failed)?;
         let mut records = Vec::new();
         let mut combined = 0;
@@ -114,13 +135,13 @@ impl PlanetFile {
         Ok(self.index()?.into_iter().map(|r| r.id).collect())
     }
 
-    /// Whether the file holds a patch.
+    /// Whether the file holds a patch of the ground that it was opened with.
     ///
     /// # Errors
     /// If the file cannot be read.
     pub fn contains(&self, id: PatchId) -> Result<bool, StoreError> {
-        let found =
-            self.connection.prepare_cached("SELECT 1 FROM patch WHERE key = ?1").and_then(|mut s| s.exists([rows::key(id)]));
+        let query = "SELECT 1 FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2";
+        let found = self.connection.prepare_cached(query).and_then(|mut s| s.exists(params![rows::key(id), self.checksum]));
         found.map_err(|source| failure(&self.path, "look up a patch", source))
     }
 
@@ -147,7 +168,7 @@ impl PlanetFile {
     /// # Errors
     /// If the patch is not in the file.
     pub fn geometry_record(&self, id: PatchId) -> Result<Vec<u8>, StoreError> {
-        self.blob(id, "SELECT geometry FROM patch WHERE key = ?1")
+        self.blob(id, "SELECT geometry FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2")
     }
 
     /// A patch's texture record as it is stored.
@@ -155,14 +176,61 @@ impl PlanetFile {
     /// # Errors
     /// If the patch is not in the file.
     pub fn texture_record(&self, id: PatchId) -> Result<Vec<u8>, StoreError> {
-        self.blob(id, "SELECT texture FROM patch WHERE key = ?1")
+        self.blob(id, "SELECT texture FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2")
     }
 
     fn blob(&self, id: PatchId, query: &str) -> Result<Vec<u8>, StoreError> {
         let failed = |source| failure(&self.path, "read a patch", source);
         let mut statement = self.connection.prepare_cached(query).map_err(failed)?;
-        let blob = statement.query_row([rows::key(id)], |row| row.get(0)).optional().map_err(failed)?;
-        blob.ok_or_else(|| StoreError::Absent { file: self.path.clone(), id })
+        let blob = statement.query_row(params![rows::key(id), self.checksum], |row| row.get(0)).optional().map_err(failed)?;
+        match blob {
+            Some(blob) => Ok(blob),
+            None if self.is_current().map_err(failed)? => Err(StoreError::Absent { file: self.path.clone(), id }),
+            None => Err(StoreError::Changed { file: self.path.clone() }),
+        }
+    }
+
+    /// Whether the file still says of its planet what it said when it was opened.
+    fn is_current(&self) -> rusqlite::Result<bool> {
+        let found: u32 = self.connection.prepare_cached("SELECT checksum FROM planet")?.query_row([], |row| row.get(0))?;
+        Ok(found == self.checksum)
+    }
+
+    /// Patches that an edit of the ground removed and that were not built again yet, coarse to fine: the file is unfinished while there
+    /// are any.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or is damaged.
+    pub fn pending(&self) -> Result<Vec<PatchId>, StoreError> {
+        let found = pending::list(&self.connection).map_err(|source| failure(&self.path, "read the pending patches", source))?;
+        let ids: Option<Vec<PatchId>> = found.into_iter().collect();
+        let mut ids = ids.ok_or_else(|| self.damaged("a pending patch does not exist".into()))?;
+        ids.sort_by_key(|id| (id.level, id.face, id.y, id.x));
+        Ok(ids)
+    }
+
+    /// Puts another ground in place of the file's, all or nothing: its header (of the same planet, grid and lattice); all patches that
+    /// are touched go, to be pending unless they were only cached; and `built` patches are back at once. Returns how many are touched.
+    /// They are found within the transaction: a flight may add patches until it begins, and none of the ground before from then on.
+    ///
+    /// # Errors
+    /// If the file was opened for reading, cannot be written, or was edited meanwhile.
+    pub fn replace_ground(
+        &mut self,
+        header: &PlanetHeader,
+        touched: &dyn Fn(PatchId) -> bool,
+        built: &[BakedPatch],
+    ) -> Result<usize, StoreError> {
+        let mut removed = 0;
+        self.transaction("edit the ground", |connection| {
+            header::replace(connection, header)?;
+            removed = pending::put_off(connection, touched)?;
+            rows::insert(connection, built)?;
+            pending::done(connection, built.iter().map(|p| p.record.id))
+        })?;
+        self.header = header.clone();
+        self.checksum = header.checksum();
+        Ok(removed)
     }
 
     /// Adds patches, all or none of them, to stay. Patches that the file holds already are the same and stay as they are; if they were
@@ -173,7 +241,8 @@ impl PlanetFile {
     pub fn put(&mut self, patches: &[BakedPatch]) -> Result<(), StoreError> {
         self.transaction("add patches", |connection| {
             rows::insert(connection, patches)?;
-            cached::keep(connection, patches.iter().map(|p| p.record.id))
+            cached::keep(connection, patches.iter().map(|p| p.record.id))?;
+            pending::done(connection, patches.iter().map(|p| p.record.id))
         })
     }
 
@@ -182,7 +251,10 @@ impl PlanetFile {
     /// # Errors
     /// As [`PlanetFile::put`].
     pub fn keep(&mut self, ids: &[PatchId]) -> Result<(), StoreError> {
-        self.transaction("keep patches", |connection| cached::keep(connection, ids.iter().copied()))
+        self.transaction("keep patches", |connection| {
+            cached::keep(connection, ids.iter().copied())?;
+            pending::done(connection, ids.iter().copied())
+        })
     }
 
     /// Adds patches that may go again, notes when patches were used (any count that grows), and removes those unused for longest until
@@ -246,6 +318,10 @@ impl PlanetFile {
         let path = &self.path;
         let failed = |source| failure(path, action, source);
         let transaction = self.connection.transaction_with_behavior(TransactionBehavior::Immediate).map_err(failed)?;
+        let found: u32 = transaction.query_row("SELECT checksum FROM planet", [], |row| row.get(0)).map_err(failed)?;
+        if found != self.checksum {
+            return Err(StoreError::Changed { file: path.clone() });
+        }
         work(&transaction).map_err(failed)?;
         transaction.commit().map_err(failed)
     }

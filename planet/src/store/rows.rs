@@ -17,6 +17,13 @@ pub(super) fn key(id: PatchId) -> i64 {
     (i64::from(id.face.index()) << 5 | i64::from(id.level)) << 42 | i64::from(id.x) << 21 | i64::from(id.y)
 }
 
+/// The patch of a key, if there is such a patch.
+pub(super) fn id(key: i64) -> Option<PatchId> {
+    let bits = |from: u32, count: u32| ((key >> from) & ((1 << count) - 1)) as u32;
+    let face = Face::new(u8::try_from(key >> 47).ok()?)?;
+    PatchId::new(face, bits(42, 5) as u8, bits(21, 21), bits(0, 21))
+}
+
 /// Checksum over key and metadata of a row.
 pub(super) fn checksum(record: &PatchRecord) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
@@ -113,4 +120,20 @@ pub(super) fn remove(connection: &Connection, key: i64) -> rusqlite::Result<()> 
 fn count(connection: &Connection, patches: i64, combined: u32) -> rusqlite::Result<()> {
     let tally = "UPDATE tally SET patches = patches + ?1, combined = (combined | ?2) - (combined & ?2)";
     connection.execute(tally, params![patches, combined]).map(drop)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_name_other_patches() {
+        for face in Face::ALL {
+            for (level, x, y) in [(0, 0, 0), (5, 31, 0), (21, (1 << 21) - 1, (1 << 21) - 2)] {
+                let patch = PatchId::new(face, level, x, y);
+                assert!(patch.is_some() && patch.map(key).and_then(id) == patch);
+            }
+        }
+        assert_eq!((id(-1), id(7 << 47), id(1)), (None, None, None));
+    }
 }

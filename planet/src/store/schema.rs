@@ -47,6 +47,13 @@ const KNOWN: [(&[u8], &str); 5] = [
     (b"#!", "a script"),
 ];
 
+/// Whether a file starts like a planet file, of whatever version.
+pub fn is_planet_file(path: &Path) -> bool {
+    let mut head = [0; SQLITE_HEADER];
+    let read = File::open(path).and_then(|mut file| file.read_exact(&mut head));
+    read.is_ok() && head.starts_with(b"SQLite format 3\0") && head[68..72] == APPLICATION_ID.to_be_bytes()
+}
+
 /// Refuses whatever does not start like a planet file of this version. These bytes never change after the file is made.
 pub(super) fn check_stamp(path: &Path) -> Result<(), StoreError> {
     let system = |source| StoreError::System { file: path.to_owned(), action: "read the planet file", source };

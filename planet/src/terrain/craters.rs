@@ -17,7 +17,7 @@ const FADE: f32 = 0.04;
 /// Farthest that a crater acts, in cells. With SHELL and the sphere's curvature within half a cell of the centre.
 const REACH: f64 = 0.38;
 /// Height of the rim over the depth below it.
-const RIM: f32 = 0.25;
+pub(super) const RIM: f32 = 0.25;
 
 /// Squared distance of a crater that is not there.
 const NOWHERE: f32 = 1e9;
@@ -127,7 +127,7 @@ impl Class {
     /// Height of one crater relative to its depth: `t` is the squared distance over the squared rim radius.
     #[inline(always)]
     fn profile(&self, t: f32) -> f32 {
-        let bowl = ((1.0 + RIM) * (1.0 + 0.9 * self.complex) * (t - 1.0)).max(-1.0 - RIM) + RIM;
+        let bowl = bowl(t, self.complex);
         let far = (4.0 - t).max(0.0) * (1.0 / 3.0);
         let ejecta = RIM * far * far * far;
         let foot = (1.0 - t * 30.0).max(0.0);
@@ -306,6 +306,13 @@ impl Default for Sight {
     fn default() -> Self {
         Self { length2: [0.0; LANES], lateral2: [0.0; LANES], off: [0.0; LANES] }
     }
+}
+
+/// Height within the rim relative to the depth: `t` is the squared distance over the squared rim radius, `complex` from 0 (a bowl) to 1
+/// (a flat floor). [`RIM`] at the rim.
+#[inline(always)]
+pub(super) fn bowl(t: f32, complex: f32) -> f32 {
+    ((1.0 + RIM) * (1.0 + 0.9 * complex) * (t - 1.0)).max(-1.0 - RIM) + RIM
 }
 
 /// Scrambles the sum of a cell's axis hashes.

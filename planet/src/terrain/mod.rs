@@ -10,6 +10,7 @@
 mod albedo;
 pub(crate) mod angles;
 mod craters;
+pub(crate) mod edits;
 mod heightmap;
 mod noise;
 mod octaves;
@@ -20,6 +21,7 @@ mod relief;
 pub use crate::ground::GroundPoint;
 use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
 use craters::Craters;
+use edits::Edits;
 use glam::DVec3;
 use heightmap::Heightmap;
 use noise::mix;
@@ -33,7 +35,10 @@ pub struct Terrain {
     sea_level: Option<f64>,
     /// Half-width in metres of the band about the sea that is flattened; 0 for none.
     beach_m: f64,
-    range: (f64, f64),
+    /// Changes after all layers and beaches.
+    edits: Edits,
+    layers_range: (f64, f64),
+    edits_range: Vec<(f64, f64)>,
     palette: Palette,
     tints: albedo::Tints,
 }
@@ -63,11 +68,14 @@ impl Terrain {
             steps,
             sea_level: recipe.sea.as_ref().map(|s| s.level_m),
             beach_m: recipe.sea.as_ref().map_or(0.0, |s: &Sea| s.beach_m),
-            range: (0.0, 0.0),
+            edits: Edits::new(&recipe.edits, recipe.radius),
+            layers_range: (0.0, 0.0),
+            edits_range: Vec::new(),
             palette: recipe.palette.clone(),
             tints: albedo::Tints::new(mix(recipe.seed ^ 0xa1be), &recipe.palette),
         };
-        terrain.range = terrain.bound();
+        terrain.layers_range = terrain.bound();
+        terrain.edits_range = terrain.edits.bounds(terrain.layers_range);
         Ok(terrain)
     }
 
@@ -81,6 +89,7 @@ impl Terrain {
         for (directions, heights) in directions.chunks(LANES).zip(heights.chunks_mut(LANES)) {
             chunk_heights(self, directions, heights);
         }
+        self.edits.apply(directions, heights);
     }
 
     /// Height of the sea's surface in metres above the datum, if there is a sea.
@@ -95,9 +104,19 @@ impl Terrain {
         height[0]
     }
 
-    /// Heights that no point lies below or above, in metres. Conservative: the extremes of all layers at once.
+    /// Heights that no point lies below or above, in metres. Conservative: the extremes of all layers at once, and of all edits.
     pub fn height_range(&self) -> (f64, f64) {
-        self.range
+        self.edits_range.iter().fold(self.layers_range, |(low, high), edit| (low.min(edit.0), high.max(edit.1)))
+    }
+
+    /// [`Terrain::height_range`] without the edits: the lattice follows from it, so that no edit changes the lattice.
+    pub fn layers_range(&self) -> (f64, f64) {
+        self.layers_range
+    }
+
+    /// Heights that no point within reach of each edit lies below or above once it is made, in metres.
+    pub fn edits_range(&self) -> &[(f64, f64)] {
+        &self.edits_range
     }
 
     #[inline(always)]

@@ -3,13 +3,21 @@
 #![allow(dead_code, reason = "every test program uses its own part")]
 
 use crate::common::TestField;
+use glam::DVec3;
 use std::collections::HashMap;
 use terrane_planet::ground::{Ground, HeightGrid};
+use terrane_planet::lattice::Lattice;
 use terrane_planet::patch::PatchId;
 use terrane_planet::progressive::PatchMesh;
+use terrane_planet::reference::cut::{at_data_rim, Cut};
+use terrane_planet::reference::{
+    emit::emit,
+    resolve::resolve,
+    select::{select, Selected},
+};
 use terrane_planet::simplify::builder::Faults;
 use terrane_planet::tree::{PatchFacts, PatchTree};
-use terrane_planet::verify::{LoadedPatch, RandomViews, Rings};
+use terrane_planet::verify::{LoadedPatch, RandomViews, Rings, SurfaceCheck, SurfaceReport};
 use terrane_planet::view::View;
 
 /// All patches, in memory.
@@ -26,31 +34,62 @@ pub(crate) fn planet(field: &TestField, cells: u32) -> Planet {
     while at < ids.len() {
         let id = ids[at];
         at += 1;
-        let near_corner = id.centre().distance(glam::DVec3::new(1.0, 1.0, 1.0).normalize()) < 2.0 / f64::from(1u32 << id.level);
+        let near_corner = id.centre().distance(DVec3::new(1.0, 1.0, 1.0).normalize()) < 2.0 / f64::from(1u32 << id.level);
         if id.level < 2 || (id.level < 5 && near_corner) {
             ids.extend(id.children().into_iter().flatten());
         }
     }
-    let patches: HashMap<_, _> = ids.into_iter().map(|id| (id, load(&ground, id))).collect();
-    let facts = patches.values().map(|(p, _)| PatchFacts::from(&p.mesh));
-    let lowest = patches.values().map(|(p, _)| p.mesh.heights[0]).min().expect("six roots");
-    Planet { tree: PatchTree::new(ground.lattice, cells, f64::from(lowest), facts), patches }
+    of_meshes(ground.lattice, cells, ids.into_iter().map(|id| build(&ground, id)))
 }
 
-fn load(ground: &Ground, id: PatchId) -> (LoadedPatch, Rings) {
+/// The planet of such patches.
+pub(crate) fn of_meshes(lattice: Lattice, cells: u32, meshes: impl Iterator<Item = PatchMesh>) -> Planet {
+    let load = |mesh: PatchMesh| {
+        let rings = Rings::new(&mesh).expect("the hierarchy replays");
+        (mesh.id, (LoadedPatch::new(mesh, &lattice), rings))
+    };
+    let patches: HashMap<_, _> = meshes.map(load).collect();
+    let facts = patches.values().map(|(p, _)| PatchFacts::from(&p.mesh));
+    let lowest = patches.values().map(|(p, _)| p.mesh.heights[0]).min().expect("six roots");
+    Planet { tree: PatchTree::new(lattice, cells, f64::from(lowest), facts), patches }
+}
+
+fn build(ground: &Ground, id: PatchId) -> PatchMesh {
     let (mesh, faults) = PatchMesh::build(ground, id, &HeightGrid::sample(ground, id));
     assert_eq!(faults, Faults::default());
-    let rings = Rings::new(&mesh).expect("the hierarchy replays");
-    (LoadedPatch::new(mesh, &ground.lattice), rings)
+    mesh
 }
 
 /// Random views without culling, tolerances in turn.
 pub(crate) fn views(planet: &Planet, field: &TestField, count: usize) -> Vec<View> {
-    let height = |d| field.at(d);
-    let cameras = RandomViews::new(&planet.tree, 7, &height).take(count);
+    views_over(planet, &|d| field.at(d), count)
+}
+
+/// The same over ground of any height.
+pub(crate) fn views_over(planet: &Planet, height: &dyn Fn(DVec3) -> f64, count: usize) -> Vec<View> {
+    let cameras = RandomViews::new(&planet.tree, 7, height).take(count);
     let tolerance = |k: usize| [1.0, 0.5, 2.0, 4.0][k % 4];
     cameras
         .enumerate()
         .map(|(k, c)| View::new(c, &planet.tree.lattice, planet.tree.cells, tolerance(k)).without_culling())
         .collect()
+}
+
+/// Report and closure violations (away from the rim of the data) of a cut drawn without culling.
+pub(crate) fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (SurfaceReport, usize) {
+    let mut check = SurfaceCheck::default();
+    let mut violations = 0;
+    for leaf in &cut.leaves {
+        let (patch, rings) = &planet.patches[&leaf.id];
+        let work = patch.reach.work(view);
+        let vertices = &patch.vertices[..work.vertices as usize];
+        let sides = if forget_sides { 0 } else { u32::from(leaf.coarser_sides) };
+        let Selected { awake, places } = select(&view.gpu, vertices, sides);
+        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(vertices, &awake), &places);
+        check.add(vertices, &places, &triangles);
+        if !at_data_rim(&planet.tree, leaf) {
+            violations += rings.violations(&awake, &places);
+        }
+    }
+    (check.finish(), violations)
 }

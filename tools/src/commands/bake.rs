@@ -1,30 +1,22 @@
 //! `terrane bake`: builds the patches of a recipe into a planet file, or what is missing of them.
 
+use super::building::{stop_on_signals, Report, Threads};
 use super::Run;
 use crate::Outcome;
 use anyhow::Context;
-use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
-use std::cell::Cell;
-use std::io::IsTerminal;
 use std::path::PathBuf;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::Arc;
-use std::time::Duration;
-use terrane_planet::bake::{bake, BakePlan, BakeSummary, Progress, Region};
+use terrane_planet::bake::{bake, BakePlan, BakeSummary, Region};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::simplify::builder::Faults;
 use terrane_planet::sphere::direction_at;
-use terrane_planet::store::PlanetFile;
-
-/// Time between two lines of progress where there is no terminal.
-const LINE_EVERY: Duration = Duration::from_secs(10);
+use terrane_planet::store::{is_planet_file, PlanetFile};
 
 /// Build the patches of a recipe into a planet file; go on where an earlier bake stopped.
 #[derive(clap::Args)]
 pub(crate) struct Bake {
-    /// Recipe of the planet, a TOML file.
+    /// Recipe of the planet, a TOML file; or a planet file, to bake more of its planet with all edits.
     recipe: PathBuf,
     /// Planet file to make or to go on with.
     #[arg(long, short)]
@@ -41,9 +33,8 @@ pub(crate) struct Bake {
     /// Grid cells along a patch side, a power of two.
     #[arg(long, default_value_t = 128)]
     cells: u32,
-    /// Threads to build on [default: one a processor].
-    #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]
-    threads: Option<u16>,
+    #[command(flatten)]
+    threads: Threads,
     /// Print the summary as one JSON object.
     #[arg(long)]
     json: bool,
@@ -76,13 +67,12 @@ fn parse_region(text: &str) -> Result<RegionArgument, String> {
 
 impl Run for Bake {
     fn run(self) -> anyhow::Result<Outcome> {
-        let planet = Planet::from_recipe(Recipe::load(&self.recipe)?, self.cells)?;
+        let planet = Planet::from_recipe(self.load_recipe()?, self.cells)?;
         let plan = BakePlan::new(planet.recipe.radius, self.levels, self.region())?;
         let mut file = PlanetFile::create_or_resume(&self.out, &planet.header())?;
         let stop = stop_on_signals()?;
-        let threads = self.threads.map_or_else(|| std::thread::available_parallelism().map_or(1, |n| n.get()), usize::from);
         let report = Report::new(&planet.recipe.name);
-        let summary = bake(&mut file, &planet.terrain, &planet.terrain, &plan, threads, &|p| report.show(p), &stop);
+        let summary = bake(&mut file, &planet.terrain, &planet.terrain, &plan, self.threads.count(), &|p| report.show(p), &stop);
         report.finish();
         let summary = summary.with_context(|| format!("cannot bake {} into {}", self.recipe.display(), self.out.display()))?;
         self.print(&summary);
@@ -91,6 +81,15 @@ impl Run for Bake {
 }
 
 impl Bake {
+    fn load_recipe(&self) -> anyhow::Result<Recipe> {
+        if !is_planet_file(&self.recipe) {
+            return Ok(Recipe::load(&self.recipe)?);
+        }
+        let file = PlanetFile::open(&self.recipe)?;
+        let header = file.header();
+        Ok(Recipe::from_parts(&header.recipe, &header.name, header.assets.clone())?)
+    }
+
     fn region(&self) -> Option<Region> {
         let (region, to_level) = (self.region?, self.to_level?);
         let direction = direction_at(region.latitude, region.longitude);
@@ -128,53 +127,6 @@ impl Bake {
         }
         if s.interrupted {
             println!("interrupted: the same command goes on from here");
-        }
-    }
-}
-
-/// A flag that is raised by Ctrl-C, SIGTERM and SIGHUP; a second signal ends the process at once, which the file survives.
-fn stop_on_signals() -> anyhow::Result<Arc<AtomicBool>> {
-    let stop = Arc::new(AtomicBool::new(false));
-    let flag = stop.clone();
-    let handler = move || {
-        if flag.swap(true, Ordering::Relaxed) {
-            std::process::exit(130);
-        }
-    };
-    ctrlc::set_handler(handler).context("cannot listen for Ctrl-C")?;
-    Ok(stop)
-}
-
-/// Progress on stderr: a bar on a terminal, a line now and then otherwise.
-struct Report {
-    bar: Option<ProgressBar>,
-    name: String,
-    last_line: Cell<Duration>,
-}
-
-impl Report {
-    fn new(name: &str) -> Report {
-        let style = ProgressStyle::with_template("{msg} [{elapsed_precise}] {wide_bar} {pos}/{len} patches, {eta} left");
-        let bar = std::io::stderr().is_terminal().then(|| ProgressBar::new(0).with_message(name.to_owned()));
-        if let (Some(bar), Ok(style)) = (&bar, style) {
-            bar.set_style(style);
-        }
-        Report { bar, name: name.to_owned(), last_line: Cell::new(Duration::ZERO) }
-    }
-
-    fn show(&self, p: Progress) {
-        if let Some(bar) = &self.bar {
-            bar.set_length(p.total as u64);
-            bar.set_position(p.built as u64);
-        } else if p.elapsed >= self.last_line.get() + LINE_EVERY || p.built == p.total {
-            self.last_line.set(p.elapsed);
-            eprintln!("{}: {}/{} patches, {:.0} s", self.name, p.built, p.total, p.elapsed.as_secs_f64());
-        }
-    }
-
-    fn finish(&self) {
-        if let Some(bar) = &self.bar {
-            bar.finish_and_clear();
         }
     }
 }

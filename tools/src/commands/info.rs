@@ -1,5 +1,6 @@
 //! `terrane info`: what a planet file holds.
 
+use super::edit::edit_json;
 use super::Run;
 use crate::Outcome;
 use serde_json::json;
@@ -47,7 +48,7 @@ impl Run for Info {
     fn run(self) -> anyhow::Result<Outcome> {
         let file = PlanetFile::open(&self.file)?;
         let (header, levels, regions) = (file.header(), levels(&file.index()?), file.regions()?);
-        let planet = Planet::from_header(header)?;
+        let (planet, pending) = (Planet::from_header(header)?, file.pending()?);
         let patches: u64 = levels.iter().map(|l| l.patches).sum();
         let vertices = patches * u64::from(header.cells + 1).pow(2);
         let geometry: u64 = levels.iter().map(|l| l.geometry).sum();
@@ -67,6 +68,7 @@ impl Run for Info {
                 "lattice_unit_m": header.lattice.unit, "lowest_m": header.height_range[0], "highest_m": header.height_range[1],
                 "patches": patches, "vertices": vertices, "geometry_bytes": geometry, "texture_bytes": texture,
                 "bytes_per_vertex": bytes_per_vertex, "levels": levels.iter().map(level).collect::<Vec<_>>(),
+                "edits": planet.recipe.edits.iter().map(edit_json).collect::<Vec<_>>(), "pending": pending.len(),
                 "regions": regions.iter().map(region).collect::<Vec<_>>(),
             });
             println!("{info}");
@@ -85,6 +87,12 @@ impl Run for Info {
         for region in &regions {
             let (latitude, longitude) = place_of(region.direction);
             println!("region {latitude:.4}, {longitude:.4}: {} km, to level {}", region.radius_m / 1e3, region.to_level);
+        }
+        for edit in &planet.recipe.edits {
+            println!("edit: {edit}");
+        }
+        if !pending.is_empty() {
+            println!("unfinished: {} patches to build again, with 'terrane edit {} resume'", pending.len(), self.file.display());
         }
         Ok(Outcome::Done)
     }

@@ -1,5 +1,6 @@
 //! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], and one line here.
 
+mod building;
 mod paths;
 mod pictures;
 mod viewing;
@@ -35,6 +36,7 @@ commands! {
     bake => Bake,
     bench => Bench,
     compare => Compare,
+    edit => Edit,
     fly => Fly,
     gpus => Gpus,
     growth => Growth,
