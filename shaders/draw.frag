@@ -1,7 +1,7 @@
 #version 460
 // Ground: normals and albedo from per-patch textures, never from the triangles, lit by the sun and the sky.
 #include "frame.glsl"
-#include "light.glsl"
+#include "skylight.glsl"
 
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(binding = 2) uniform sampler2DArray slopes;
@@ -77,11 +77,12 @@ void main() {
     float elevation = dot(up, light.sun);
     // Ground that faces away from the sun by its large-scale shape stays dark however its texels are tilted.
     float facing = max(dot(normal, light.sun), 0.0) * smoothstep(-0.06, 0.02, elevation + 0.04);
-    vec3 direct = SUN * sunlight(height, elevation) * facing;
-    vec3 ambient = skylight(elevation) * (0.5 + 0.5 * dot(normal, up));
-    // Light thrown back by the ground around, weak and of its own colour.
-    vec3 bounce = 0.15 * color * SUN * sunlight(height, elevation) * max(elevation, 0.0) * (0.5 - 0.5 * dot(normal, up));
+    vec3 sun = sun_irradiance(height, elevation), sky = sky_irradiance(height, elevation);
+    float open = 0.5 + 0.5 * dot(normal, up);
+    // Light thrown back by the ground around, as bright as the ground here.
+    vec3 bounce = color * (sun * max(elevation, 0.0) + sky);
+    vec3 arriving = sun * facing + sky * open + bounce * (1.0 - open);
     // Height above the sea in metres, for the ocean: the mesh may be coarser than the water is deep.
     float shore = 2.0 * ground.shore - 1.0;
-    out_color = vec4(color / PI * (direct + ambient + bounce), sign(shore) * shore * shore * SHORE_RANGE);
+    out_color = vec4(color / PI * arriving, sign(shore) * shore * shore * SHORE_RANGE);
 }
