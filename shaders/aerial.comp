@@ -1,5 +1,5 @@
 #version 460
-// Tables of the eye: light that the air scatters towards it, over opacity, by azimuth, latitude and share of the ray's opacity.
+// Tables of the eye: light that the air scatters towards it, over opacity, by azimuth, latitude and part of the ray.
 #include "scattering.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;

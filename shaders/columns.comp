@@ -1,6 +1,6 @@
 #version 460
-// Tables of the eye, a row of latitude an invocation: optical depths along the row's ray, and the places that divide its opacity
-// evenly, which are where the light that it scatters is best sampled.
+// Tables of the eye, a row of latitude an invocation: optical depths along the row's ray, and the places that divide it into even parts
+// of distance and opacity, at which the light that it scatters is sampled.
 #include "air.glsl"
 
 layout(local_size_x = 8) in;
@@ -40,10 +40,10 @@ void main() {
     for (int k = 0; k < count; ++k) {
         float from = unspread(float(k) / float(count)), to = unspread(float(k + 1) / float(count));
         vec3 further = depth + depth_of(height, c, from * whole, to * whole);
-        float next = mean(1.0 - exp(-further));
-        while (node < last_node && next > opacity * float(node) / float(last_node)) {
-            float part = clamp((opacity * float(node) / float(last_node) - reached) / (next - reached), 0.0, 1.0);
-            imageStore(nodes, ivec2(node, row), vec4(mix(from, to, part), exp(-mix(depth, further, part))));
+        float next = ray_part(to, mean(1.0 - exp(-further)) / max(opacity, 1e-9));
+        while (node < last_node && next > float(node) / float(last_node)) {
+            float between = clamp((float(node) / float(last_node) - reached) / (next - reached), 0.0, 1.0);
+            imageStore(nodes, ivec2(node, row), vec4(mix(from, to, between), exp(-mix(depth, further, between))));
             ++node;
         }
         depth = further;

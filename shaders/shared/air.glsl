@@ -114,28 +114,47 @@ vec2 sun_height(vec2 place) {
 // --- Tables of the eye: rays by their latitude against the horizon of where they begin, where the eye is or, from outside, where they
 // enter the air; the lower half of the rows meets the ground, the upper half does not, and both are finest at the horizon. ---
 
-float highest_latitude() { return is_outside() ? 0.0 : 0.5 * PI; }
+// Rows of the upper half, less one, of latitudes below the horizontal, where rays dip into denser air: the more of them the farther the
+// horizon lies below, and all from outside. A whole number, so that the map has its bend at the centre of a row.
+float dipping_rows(float horizon, float half_rows) {
+    if (is_outside()) return half_rows - 1.0;
+    return round((half_rows - 1.0) * horizon / (horizon - 0.035));
+}
 
 float latitude_row(float c, bool to_ground, int rows) {
     float horizon = asin(horizon_cosine(eye_height())), latitude = asin(clamp(c, -1.0, 1.0));
-    float share = to_ground ? (horizon - latitude) / (horizon + 0.5 * PI) : (latitude - horizon) / (highest_latitude() - horizon);
-    float half_rows = float(rows / 2);
-    return ((to_ground ? 0.5 : half_rows + 0.5) + sqrt(clamp(share, 0.0, 1.0)) * (half_rows - 1.0)) / float(rows);
+    float half_rows = float(rows / 2), dipping = dipping_rows(horizon, half_rows);
+    float row;
+    if (to_ground) {
+        row = (half_rows - 1.0) * sqrt(clamp((horizon - latitude) / (horizon + 0.5 * PI), 0.0, 1.0));
+    } else if (latitude < 0.0) {
+        row = half_rows + dipping * sqrt(clamp(1.0 - latitude / horizon, 0.0, 1.0));
+    } else {
+        row = half_rows + dipping + (half_rows - 1.0 - dipping) * sqrt(latitude / (0.5 * PI));
+    }
+    return (0.5 + row) / float(rows);
 }
 
 // The inverse, for the centre of a row.
 float row_cosine(int row, int rows, out bool to_ground) {
-    int half_rows = rows / 2;
-    to_ground = row < half_rows;
     float horizon = asin(horizon_cosine(eye_height()));
-    float share = float(to_ground ? row : row - half_rows) / float(half_rows - 1);
-    float far = to_ground ? -0.5 * PI : highest_latitude();
-    return sin(mix(horizon, far, share * share));
+    float half_rows = float(rows / 2), above = float(row) - half_rows, dipping = dipping_rows(horizon, half_rows);
+    to_ground = above < 0.0;
+    float share = float(row) / (half_rows - 1.0);
+    if (to_ground) return sin(mix(horizon, -0.5 * PI, share * share));
+    share = above / max(dipping, 1.0);
+    if (above < max(dipping, 1.0)) return sin(horizon * (1.0 - share * share));
+    share = (above - dipping) / max(half_rows - 1.0 - dipping, 1.0);
+    return sin(0.5 * PI * share * share);
 }
 
 // Distances along a ray as shares of its length, finest at both ends.
 float spread(float share) { return share < 0.5 ? sqrt(0.5 * share) : 1.0 - sqrt(0.5 * (1.0 - share)); }
 float unspread(float x) { return x < 0.5 ? 2.0 * x * x : 1.0 - 2.0 * (1.0 - x) * (1.0 - x); }
+
+// Where along a ray scattered light is kept: by distance and by opacity in equal parts. By opacity alone it would be best for rays in
+// daylight, but the light at the end of a long ray through the Earth's shadow would fall between the last two places.
+float ray_part(float share, float opacity_share) { return 0.5 * (spread(share) + opacity_share); }
 
 vec3 eye_vertical() { return normalize(light.camera); }
 

@@ -9,7 +9,7 @@
 
 // Optical depth over the share of the way; alpha is the mean opacity of the whole way. By share and latitude.
 layout(binding = 12) uniform sampler2D columns;
-// Light over opacity, by azimuth, latitude and share of the opacity: scattered by molecules or more than once, and by haze without its
+// Light over opacity, by azimuth, latitude and part of the ray: scattered by molecules or more than once, and by haze without its
 // phase function.
 layout(binding = 13) uniform sampler2DArray scattered_table;
 layout(binding = 14) uniform sampler2DArray haze_table;
@@ -66,7 +66,7 @@ void air_before(vec3 ray, float distance, out vec3 scattered, out vec3 passed) {
     vec4 column = textureLod(columns, vec2((0.5 + spread(share) * float(size.x - 1)) / float(size.x), way.place.y), 0.0);
     passed = exp(-column.rgb * share);
     vec3 opacity = 1.0 - passed;
-    float part = dot(opacity, vec3(1.0 / 3.0)) / max(column.a, 1e-9);
+    float part = ray_part(share, dot(opacity, vec3(1.0 / 3.0)) / max(column.a, 1e-9));
     float phase = mie_phase(dot(ray, light.sun));
     scattered = opacity * (slice(scattered_table, way.place, part) + phase * slice(haze_table, way.place, part));
 }

@@ -154,6 +154,11 @@ impl Renderer {
         commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, &self.targets, picture))
     }
 
+    /// The shading block of the frame that was prepared last.
+    pub fn shading(&self) -> &Shading {
+        &self.shading
+    }
+
     /// Counters of the latest frame; wait for it first.
     pub fn counters(&self) -> Result<EmitState> {
         self.buffers.counters()

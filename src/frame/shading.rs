@@ -23,7 +23,7 @@ pub struct Look {
 }
 
 /// Factor from radiance to display for pictures in daylight.
-pub const DAYLIGHT: f32 = 0.6;
+pub const DAYLIGHT: f32 = 1.1;
 
 /// The sun as seen from a place: degrees clockwise from north, and degrees above the horizon.
 pub fn sun_over(place: DVec3, azimuth: f64, elevation: f64) -> DVec3 {
