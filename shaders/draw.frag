@@ -1,7 +1,7 @@
 #version 460
 // Ground: normals and albedo from per-patch textures, never from the triangles, lit by the sun and the sky.
 #include "frame.glsl"
-#include "light.glsl"
+#include "skylight.glsl"
 
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(binding = 2) uniform sampler2DArray slopes;
@@ -16,7 +16,7 @@ layout(location = 0) out vec4 out_color;
 layout(scalar, binding = 4) readonly buffer View { FrameView view; };
 
 // Radians, a little more than half the sun's disc: the relief is known to a texel only.
-const float SUN_RADIUS = 0.008;
+const float PENUMBRA = 0.008;
 
 struct Ground {
     vec2 slope;
@@ -84,12 +84,13 @@ void main() {
     float height = length(from_centre) - light.radius;
     float elevation = dot(up, light.sun);
     // The share of the sun's disc above the relief.
-    float facing = max(dot(normal, light.sun), 0.0) * smoothstep(-SUN_RADIUS, SUN_RADIUS, elevation - ground.relief.x);
-    vec3 direct = SUN * sunlight(height, elevation) * facing;
-    vec3 ambient = skylight(elevation) * (0.5 + 0.5 * dot(normal, up)) * ground.relief.y;
-    // Light thrown back by the ground around, weak and of its own colour.
-    vec3 bounce = 0.15 * color * SUN * sunlight(height, elevation) * max(elevation, 0.0) * (0.5 - 0.5 * dot(normal, up));
+    float facing = max(dot(normal, light.sun), 0.0) * smoothstep(-PENUMBRA, PENUMBRA, elevation - ground.relief.x);
+    vec3 sun = sun_irradiance(height, elevation), sky = sky_irradiance(height, elevation);
+    float open = (0.5 + 0.5 * dot(normal, up)) * ground.relief.y;
+    // Light thrown back by the ground around, as bright as the ground here.
+    vec3 bounce = color * (sun * max(elevation, 0.0) + sky);
+    vec3 arriving = sun * facing + sky * open + bounce * (1.0 - open);
     // Height above the sea in metres, for the ocean: the mesh may be coarser than the water is deep.
     float shore = 2.0 * ground.shore - 1.0;
-    out_color = vec4(color / PI * (direct + ambient + bounce), sign(shore) * shore * shore * SHORE_RANGE);
+    out_color = vec4(color / PI * arriving, sign(shore) * shore * shore * SHORE_RANGE);
 }

@@ -1,7 +1,7 @@
 #version 460
 // The sea: the sphere at sea level, met by every view ray in closed form. Whether ground is under water comes from its
 // texture and not from the mesh, which may be coarser than the water is deep, so that coasts are sharp at every altitude.
-#include "light.glsl"
+#include "mirrored_sky.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D ground;
@@ -43,17 +43,10 @@ vec3 ripple(vec3 place, vec3 up, float footprint, out float roughness) {
     return normalize(up - (tilt - up * dot(tilt, up)));
 }
 
-vec3 reflected_sky(vec3 direction, vec3 up, float elevation) {
-    float height = max(dot(direction, up), 0.0);
-    vec3 blue = light.rayleigh / max(light.rayleigh.b, 1e-9);
-    vec3 zenith = blue * 0.45 + 0.03, horizon = vec3(0.75, 0.82, 0.9);
-    return skylight(elevation) / PI * mix(horizon, zenith, pow(height, 0.4)) * 1.6;
-}
-
 void main() {
     vec4 ground_color = texelFetch(ground, ivec2(gl_FragCoord.xy), 0);
     out_color = vec4(ground_color.rgb, 1.0);
-    if (light.sea_level <= NO_SEA || light.mode == MODE_NORMALS || light.mode == MODE_ALBEDO || light.mode == MODE_DEPTH) return;
+    if (light.sea_level <= NO_SEA || is_diagram()) return;
     bool is_ground = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r > 0.0;
     if (is_ground && ground_color.a >= 0.0) return;
 
@@ -74,8 +67,8 @@ void main() {
     float under = water_depth / max(-dot(ray, up), 0.05);
     vec3 absorbed = exp(-under * vec3(0.35, 0.075, 0.06) * 0.7);
     vec3 opaque = 1.0 - absorbed;
-    vec3 arriving = sunlight(light.sea_level, elevation);
-    vec3 lit = (SUN * arriving * max(elevation, 0.0) + skylight(elevation)) / PI;
+    vec3 arriving = sun_irradiance(light.sea_level, elevation);
+    vec3 lit = (arriving * max(elevation, 0.0) + sky_irradiance(light.sea_level, elevation)) / PI;
     float depth_share = 1.0 - exp(-water_depth / 25.0);
     vec3 body = mix(light.shallow, light.deep, depth_share) * lit;
 
@@ -89,7 +82,7 @@ void main() {
     float n_h = clamp(dot(normal, half_way), 0.0, 1.0);
     float lobe = n_h * n_h * (a2 - 1.0) + 1.0;
     float glint = a2 / (PI * lobe * lobe) * 0.25 * (0.02 + 0.98 * pow(1.0 - clamp(dot(light.sun, half_way), 0.0, 1.0), 5.0));
-    vec3 mirrored = reflected_sky(bounced, up, elevation) * fresnel + SUN * arriving * glint * step(0.0, elevation);
+    vec3 mirrored = mirrored_sky(bounced, up, light.sea_level, elevation) * fresnel + arriving * glint * step(0.0, elevation);
     vec3 floor_seen = ground_color.rgb * absorbed;
     out_color = vec4((body * opaque + floor_seen) * (1.0 - fresnel) + mirrored, 1.0);
 }

@@ -1,6 +1,6 @@
 #version 460
-// The air: light scattered between the eye and whatever it sees, or space and the sun's disc where it sees nothing.
-#include "light.glsl"
+// The air between the eye and whatever it sees, or space and the sun's disc where it sees nothing.
+#include "eye_air.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D scene;
@@ -10,15 +10,24 @@ layout(binding = 4) uniform sampler2D ground;
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
 
+// Largest radiance that is drawn: half floats end there.
+const float BRIGHTEST = 6e4;
+
+// The sun's disc, darker towards its limb and redder (Hestroffer and Magnan 1998); its edge as wide as a pixel.
 vec3 sun_disc(vec3 ray) {
-    float c = dot(ray, light.sun);
-    float edge = smoothstep(0.99998, 0.999992, c);
-    return vec3(SUN * 400.0) * edge;
+    vec3 chord = ray - light.sun;
+    float pixel = 2.0 * length(light.up) / light.size.y;
+    float radius = max(SUN_RADIUS, 0.5 * pixel), distance = length(chord);
+    float seen = 1.0 - smoothstep(radius - 0.5 * pixel, radius + 0.5 * pixel, distance);
+    if (seen <= 0.0) return vec3(0.0);
+    float cosine = sqrt(max(1.0 - distance * distance / (radius * radius), 0.0));
+    vec3 darkening = pow(vec3(max(cosine, 0.05)), vec3(0.4, 0.5, 0.65));
+    return SUN / (PI * radius * radius) * seen * darkening;
 }
 
 void main() {
     vec4 ground_color = texelFetch(scene, ivec2(gl_FragCoord.xy), 0);
-    if (light.mode == MODE_NORMALS || light.mode == MODE_ALBEDO || light.mode == MODE_DEPTH) {
+    if (is_diagram()) {
         out_color = ground_color;
         return;
     }
@@ -31,17 +40,8 @@ void main() {
     bool water = stored <= 0.0 || texelFetch(ground, ivec2(gl_FragCoord.xy), 0).a < 0.0;
     float sea = water ? distance_to_sea(ray) : -1.0;
     if (sea > 0.0) end = sea;
-    bool empty = end >= 1e29;
-    vec3 color = empty ? sun_disc(ray) : ground_color.rgb;
-    if (has_air()) {
-        vec2 shell = through_shell(ray, light.air_top);
-        float from = max(shell.x, 0.0);
-        float to = min(shell.y, end);
-        if (shell.x < shell.y && from < to) {
-            vec3 scattered, transmittance;
-            march(ray, from, to, scattered, transmittance);
-            color = color * transmittance + scattered;
-        }
-    }
-    out_color = vec4(color, 1.0);
+    vec3 color = end >= 1e29 ? sun_disc(ray) : ground_color.rgb;
+    vec3 scattered, passed;
+    air_before(ray, end, scattered, passed);
+    out_color = vec4(min(color * passed + scattered, BRIGHTEST), 1.0);
 }

@@ -5,7 +5,7 @@ use crate::scene::{Scene, SceneError};
 use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps};
 use std::sync::Arc;
 use std::time::Instant;
-use terrane_planet::layout::{DrawnVertex, EmitState};
+use terrane_planet::layout::{DrawnVertex, EmitState, Shading};
 use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
 
@@ -106,6 +106,23 @@ impl Headless {
     /// Radiance of the latest picture before it is mapped to the display: four numbers a pixel, row by row.
     pub fn radiance(&self) -> Result<Vec<f32>, SceneError> {
         Ok(capture(&self.context, &self.renderer.targets.scene, (0, 0), Access::Sampled)?.to_f32()?)
+    }
+
+    /// Radiance of the latest picture's ground and sea before the air: four numbers a pixel, row by row.
+    pub fn surface(&self) -> Result<Vec<f32>, SceneError> {
+        Ok(capture(&self.context, &self.renderer.targets.water, (0, 0), Access::Sampled)?.to_f32()?)
+    }
+
+    /// Height above the sea in metres, up to [`SHORE_RANGE`](terrane_planet::texture::SHORE_RANGE), of the ground in the latest
+    /// picture; row by row.
+    pub fn shore(&self) -> Result<Vec<f32>, SceneError> {
+        let ground = capture(&self.context, &self.renderer.targets.ground, (0, 0), Access::Sampled)?.to_f32()?;
+        Ok(ground.chunks_exact(4).map(|texel| texel[3]).collect())
+    }
+
+    /// The shading block of the latest picture.
+    pub fn shading(&self) -> &Shading {
+        self.renderer.shading()
     }
 
     /// Where the latest picture shows ground: its depth (near plane over distance), 0 where there is none, row by row.

@@ -186,20 +186,36 @@ gpu_structs! {
         scale_height: f32,
         /// Rayleigh scattering at the datum, per metre.
         rayleigh: [f32; 3],
-        /// Mie scattering at the datum, per metre.
-        mie: f32,
-        /// Colour of shallow water, linear.
-        shallow: [f32; 3],
         /// Scale height of haze.
         mie_scale_height: f32,
+        /// Mie scattering at the datum, per metre.
+        mie: [f32; 3],
+        /// Asymmetry of Mie scattering.
+        mie_g: f32,
+        /// Mie scattering and absorption at the datum, per metre.
+        mie_extinction: [f32; 3],
+        /// Height above the datum of the middle of the ozone layer.
+        ozone_height: f32,
+        /// Absorption in the middle of the ozone layer, per metre.
+        ozone: [f32; 3],
+        /// Height in metres from the middle of the ozone layer to its edge.
+        ozone_reach: f32,
+        /// Colour of shallow water, linear.
+        shallow: [f32; 3],
+        /// Height above the datum of the lowest surface that air lies on.
+        air_bottom: f32,
         /// Colour of deep water, linear.
         deep: [f32; 3],
-        /// Factor from radiance to display.
-        exposure: f32,
-        /// Picture size in pixels.
-        size: [f32; 2],
         /// Height in metres of the atmosphere's upper edge above the datum.
         air_top: f32,
+        /// Picture size in pixels.
+        size: [f32; 2],
+        /// Reflectance of the ground, for light that is scattered more than once.
+        ground_albedo: f32,
+        /// Factor from radiance to display; where exposure is metered, a factor on that.
+        exposure: f32,
+        /// How far the metered exposure goes to its goal in this frame, from 0 to 1; negative where exposure is fixed.
+        adaptation: f32,
         /// Seconds, for things that move by themselves; 0 in still pictures.
         time: f32,
     }

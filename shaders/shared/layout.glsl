@@ -67,13 +67,21 @@ struct Shading {
     vec3 forward;
     float scale_height;
     vec3 rayleigh;
-    float mie;
-    vec3 shallow;
     float mie_scale_height;
+    vec3 mie;
+    float mie_g;
+    vec3 mie_extinction;
+    float ozone_height;
+    vec3 ozone;
+    float ozone_reach;
+    vec3 shallow;
+    float air_bottom;
     vec3 deep;
-    float exposure;
-    vec2 size;
     float air_top;
+    vec2 size;
+    float ground_albedo;
+    float exposure;
+    float adaptation;
     float time;
 };
 

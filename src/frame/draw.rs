@@ -1,6 +1,7 @@
 //! Stage `draw`: one indexed indirect draw of all patches, with vertex pulling, into colour and reversed-Z depth. Shaders:
 //! `draw.vert`, `draw.frag`; `wire.frag` for the mesh's edges.
 
+use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
 use crate::scene::TexturePool;
@@ -49,6 +50,7 @@ impl Draw {
         buffers: &FrameBuffers,
         textures: &TexturePool,
         targets: &Targets,
+        air: &Air,
     ) -> Result<()> {
         commands.begin_rendering(
             &[ColorTarget { view: targets.ground.view(), clear: Some([0.0; 4]) }],
@@ -61,7 +63,7 @@ impl Draw {
             ("albedo", Resource::Sampled(textures.albedo.view(), &textures.sampler)),
             ("relief", Resource::Sampled(textures.relief.view(), &textures.sampler)),
         ];
-        commands.bind(&self.fill, &[geometry.as_slice(), &shading].concat())?;
+        commands.bind(&self.fill, &[geometry.as_slice(), &shading, &air.light()].concat())?;
         commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
         commands.end_rendering()
     }

@@ -2,6 +2,7 @@
 //!
 //! In: a scene, a cut and a view. Out: a picture in a colour target, counters, and GPU times by stage.
 
+mod air;
 mod buffers;
 mod draw;
 mod emit;
@@ -25,6 +26,7 @@ pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
 
 use crate::scene::Scene;
 use crate::vulkan::{vk, Access, Commands, Context, ImageView, Result};
+use air::Air;
 use draw::Draw;
 use emit::Emit;
 use ocean::Ocean;
@@ -37,8 +39,8 @@ use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
 use tonemap::Tonemap;
 
-/// Names of the GPU zones of a frame, in order (`lines` only in wire mode).
-pub const STAGES: [&str; 8] = ["select", "resolve", "emit", "draw", "ocean", "lines", "sky", "tonemap"];
+/// Names of the GPU zones of a frame, in order (`air tables` only where the medium is new, `lines` only in wire mode).
+pub const STAGES: [&str; 10] = ["select", "resolve", "emit", "air tables", "air", "draw", "ocean", "lines", "sky", "tonemap"];
 
 /// How many of them, from the first, make the mesh.
 pub const MESH_STAGES: usize = 3;
@@ -48,11 +50,14 @@ pub struct Renderer {
     select: Select,
     resolve: Resolve,
     emit: Emit,
+    air: Air,
     draw: Draw,
     ocean: Ocean,
     sky: Sky,
     tonemap: Tonemap,
     context: Arc<Context>,
+    /// Of the frame that was prepared last.
+    shading: Shading,
     pub(crate) targets: Targets,
     /// Buffers shared by the stages.
     pub buffers: FrameBuffers,
@@ -65,11 +70,13 @@ impl Renderer {
             select: Select::new(context)?,
             resolve: Resolve::new(context)?,
             emit: Emit::new(context)?,
+            air: Air::new(context)?,
             draw: Draw::new(context)?,
             ocean: Ocean::new(context)?,
             sky: Sky::new(context)?,
             tonemap: Tonemap::new(context, format)?,
             context: context.clone(),
+            shading: Shading::default(),
             targets: Targets::new(context, size)?,
             buffers: FrameBuffers::new(context)?,
         })
@@ -86,17 +93,17 @@ impl Renderer {
     /// Prepares the tables of the next frame and hands them to the GPU. `whole` draws patches out of sight too.
     pub fn prepare(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look, whole: bool) -> Result<FrameTables> {
         let tables = FrameTables::new(scene, view, cut, whole);
-        let shading = lit(scene, view, look);
-        self.buffers.write(&tables, &view.gpu, &shading)?;
+        self.shading = lit(scene, view, look);
+        self.buffers.write(&tables, &view.gpu, &self.shading)?;
         Ok(tables)
     }
 
     /// Prepares another picture of a mesh that is selected and emitted already, from wherever `view` is. `tables` are those of the
     /// frame before, and the scene must not have been updated since.
     pub fn prepare_again(&mut self, scene: &Scene, view: &View, tables: &FrameTables, look: &Look) -> Result<()> {
-        let shading = lit(scene, view, look);
+        self.shading = lit(scene, view, look);
         let shift = (tables.eye - view.eye).as_vec3().to_array();
-        self.buffers.write(tables, &FrameView { shift, ..view.gpu }, &shading)
+        self.buffers.write(tables, &FrameView { shift, ..view.gpu }, &self.shading)
     }
 
     /// In place of [`Renderer::record_mesh`] after [`Renderer::prepare_again`].
@@ -122,18 +129,19 @@ impl Renderer {
     }
 
     /// Records the picture stages into `picture`, which is left in the layout of [`Access::ColorTarget`].
-    pub fn record_picture(&self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
-        let targets = &self.targets;
+    pub fn record_picture(&mut self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
+        self.air.record(commands, &self.buffers, &self.shading)?;
+        let (targets, air_tables) = (&self.targets, &self.air);
         let (ground, depth) = (targets.ground.view(), targets.depth.view());
         let (water, air) = (targets.water.view(), targets.scene.view());
         for color in [ground, water, air] {
             commands.transition(color, Access::Undefined, Access::ColorTarget)?;
         }
         commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
-        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets))?;
+        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets, air_tables))?;
         commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets))?;
+        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets, air_tables))?;
         if look.mode == Mode::Wire {
             commands.transition(depth, Access::Sampled, Access::DepthTarget)?;
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
@@ -141,9 +149,14 @@ impl Renderer {
             commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         }
         commands.transition(water, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("sky", |c| self.sky.record(c, &self.buffers, targets))?;
+        commands.zone("sky", |c| self.sky.record(c, &self.buffers, targets, air_tables))?;
         commands.transition(air, Access::ColorTarget, Access::Sampled)?;
         commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, &self.targets, picture))
+    }
+
+    /// The shading block of the frame that was prepared last.
+    pub fn shading(&self) -> &Shading {
+        &self.shading
     }
 
     /// Counters of the latest frame; wait for it first.
@@ -159,7 +172,8 @@ impl Renderer {
 
 /// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
 fn lit(scene: &Scene, view: &View, look: &Look) -> Shading {
-    let mut shading = shading(&scene.planet().recipe, &view.camera, look);
+    let planet = scene.planet();
+    let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, &view.camera, look);
     if scene.ground().buries(view.camera.position) {
         shading.exposure = 0.0;
     }

@@ -1,5 +1,6 @@
 //! Stage `ocean`: the sea surface over the ground that lies under water. Shader: `ocean.frag`.
 
+use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
 use crate::shaders;
@@ -20,16 +21,14 @@ impl Ocean {
     }
 
     /// Records the stage: reads `targets.ground` and `targets.depth`, fills `targets.water`.
-    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, air: &Air) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: targets.water.view(), clear: Some([0.0; 4]) }], None)?;
-        commands.bind(
-            &self.pipeline,
-            &[
-                ("Light", Resource::Storage(buffers.shading())),
-                ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
-                ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
-            ],
-        )?;
+        let own = [
+            ("Light", Resource::Storage(buffers.shading())),
+            ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
+            ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
+        ];
+        commands.bind(&self.pipeline, &[own.as_slice(), &air.light(), &air.eye()].concat())?;
         commands.draw(3, 1)?;
         commands.end_rendering()
     }

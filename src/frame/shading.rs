@@ -2,11 +2,14 @@
 
 use glam::DVec3;
 use terrane_planet::layout::{Mode, Shading, NO_SEA};
-use terrane_planet::recipe::Recipe;
+use terrane_planet::recipe::{Atmosphere, Recipe};
 use terrane_planet::view::{local_frame, Camera};
 
-/// Scale heights of air that are worth marching through.
-const AIR_SCALE_HEIGHTS: f64 = 10.0;
+/// Scale heights of air above the datum that are worth drawing: what is above would be less than a step of 8 bits at the limb.
+const AIR_SCALE_HEIGHTS: f64 = 12.0;
+/// Scale heights below the datum that air fills at most. Bounds of terrain are wide, and tables should not be spent on air that
+/// nobody sees.
+const DEEPEST_SCALE_HEIGHTS: f64 = 2.0;
 
 /// How a frame looks, apart from the view.
 #[derive(Clone, Copy, Debug)]
@@ -20,7 +23,7 @@ pub struct Look {
 }
 
 /// Factor from radiance to display for pictures in daylight.
-pub const DAYLIGHT: f32 = 0.6;
+pub const DAYLIGHT: f32 = 1.1;
 
 /// The sun as seen from a place: degrees clockwise from north, and degrees above the horizon.
 pub fn sun_over(place: DVec3, azimuth: f64, elevation: f64) -> DVec3 {
@@ -29,8 +32,8 @@ pub fn sun_over(place: DVec3, azimuth: f64, elevation: f64) -> DVec3 {
     (frame.y_axis * a.cos() + frame.x_axis * a.sin()) * e.cos() + frame.z_axis * e.sin()
 }
 
-/// Fills the shading block of a frame.
-pub fn shading(recipe: &Recipe, camera: &Camera, look: &Look) -> Shading {
+/// Fills the shading block of a frame; `lowest` is the height of the lowest ground above the datum in metres.
+pub fn shading(recipe: &Recipe, lowest: f64, camera: &Camera, look: &Look) -> Shading {
     let (h, v) = camera.half_extents();
     let vector = |d: DVec3| d.as_vec3().to_array();
     let colour = |c: [f64; 3]| c.map(|x| x as f32);
@@ -46,6 +49,7 @@ pub fn shading(recipe: &Recipe, camera: &Camera, look: &Look) -> Shading {
         sea_level: NO_SEA,
         forward: vector(camera.forward),
         exposure: look.exposure,
+        adaptation: -1.0,
         size: camera.size.map(|s| s as f32),
         ..Shading::default()
     };
@@ -55,11 +59,26 @@ pub fn shading(recipe: &Recipe, camera: &Camera, look: &Look) -> Shading {
         shading.deep = colour(sea.deep);
     }
     if let Some(air) = &recipe.atmosphere {
-        shading.scale_height = air.scale_height_m as f32;
-        shading.rayleigh = colour(air.rayleigh);
-        shading.mie = air.mie as f32;
-        shading.mie_scale_height = air.mie_scale_height_m as f32;
-        shading.air_top = (air.scale_height_m * AIR_SCALE_HEIGHTS) as f32;
+        add_air(&mut shading, air, lowest);
     }
     shading
+}
+
+/// The air, over ground that is nowhere lower than `lowest` metres above the datum.
+fn add_air(shading: &mut Shading, air: &Atmosphere, lowest: f64) {
+    let colour = |c: [f64; 3]| c.map(|x| x as f32);
+    let sea = if shading.sea_level > NO_SEA { f64::from(shading.sea_level) } else { lowest };
+    let ozone_top = if air.ozone == [0.0; 3] { 0.0 } else { air.ozone_height_m + 0.5 * air.ozone_width_m };
+    shading.scale_height = air.scale_height_m as f32;
+    shading.rayleigh = colour(air.rayleigh);
+    shading.mie_scale_height = air.mie_scale_height_m as f32;
+    shading.mie = colour(air.mie);
+    shading.mie_g = air.mie_g as f32;
+    shading.mie_extinction = [0, 1, 2].map(|k| (air.mie[k] + air.mie_absorption[k]) as f32);
+    shading.ozone = colour(air.ozone);
+    shading.ozone_height = air.ozone_height_m as f32;
+    shading.ozone_reach = (0.5 * air.ozone_width_m) as f32;
+    shading.air_bottom = sea.max(-DEEPEST_SCALE_HEIGHTS * air.scale_height_m) as f32;
+    shading.air_top = (AIR_SCALE_HEIGHTS * air.scale_height_m.max(air.mie_scale_height_m)).max(ozone_top) as f32;
+    shading.ground_albedo = air.ground_albedo as f32;
 }

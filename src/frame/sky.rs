@@ -1,5 +1,6 @@
 //! Stage `sky`: the air between the eye and everything, and what is behind it. Shader: `sky.frag`.
 
+use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
 use crate::shaders;
@@ -20,18 +21,16 @@ impl Sky {
     }
 
     /// Records the stage: reads `targets.water`, `targets.ground` (for its alpha) and `targets.depth`, fills `targets.scene`.
-    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, air: &Air) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: Some([0.0; 4]) }], None)?;
-        commands.bind(
-            &self.pipeline,
-            &[
-                ("Light", Resource::Storage(buffers.shading())),
-                ("View", Resource::Storage(buffers.view())),
-                ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
-                ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
-                ("scene", Resource::Sampled(targets.water.view(), &targets.nearest)),
-            ],
-        )?;
+        let own = [
+            ("Light", Resource::Storage(buffers.shading())),
+            ("View", Resource::Storage(buffers.view())),
+            ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
+            ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
+            ("scene", Resource::Sampled(targets.water.view(), &targets.nearest)),
+        ];
+        commands.bind(&self.pipeline, &[own.as_slice(), &air.eye()].concat())?;
         commands.draw(3, 1)?;
         commands.end_rendering()
     }

@@ -56,21 +56,29 @@ pub(crate) fn device() -> Option<Checked> {
     }
 }
 
+/// Bakes a recipe of the planet crate into a temporary file.
+fn baked(name: &str, levels: u8, region: Option<Region>) -> (tempfile::TempDir, PathBuf) {
+    let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("planet/recipes/{name}.toml"));
+    let planet = Planet::from_recipe(Recipe::load(&recipe).unwrap(), 32).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join(format!("{name}.planet"));
+    let mut file = PlanetFile::create_or_resume(&path, &planet.header()).unwrap();
+    let plan = BakePlan::new(planet.recipe.radius, levels, region).unwrap();
+    bake(&mut file, &planet.terrain, &planet.terrain, &plan, 2, &|_| (), &AtomicBool::new(false)).unwrap();
+    (folder, path)
+}
+
 /// The tiny planet to level 1 with finer ground about a face corner, so that levels mix; baked once a process.
 pub(crate) fn planet_file() -> &'static Path {
     static FILE: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
-    let make = || {
-        let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join("planet/recipes/tiny.toml");
-        let planet = Planet::from_recipe(Recipe::load(&recipe).unwrap(), 32).unwrap();
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("tiny.planet");
-        let mut file = PlanetFile::create_or_resume(&path, &planet.header()).unwrap();
-        let region = Region { direction: DVec3::ONE.normalize(), radius_m: 500.0, to_level: 5 };
-        let plan = BakePlan::new(planet.recipe.radius, 1, Some(region)).unwrap();
-        bake(&mut file, &planet.terrain, &planet.terrain, &plan, 2, &|_| (), &AtomicBool::new(false)).unwrap();
-        (folder, path)
-    };
-    &FILE.get_or_init(make).1
+    let region = Region { direction: DVec3::ONE.normalize(), radius_m: 500.0, to_level: 5 };
+    &FILE.get_or_init(|| baked("tiny", 1, Some(region))).1
+}
+
+/// The coarsest level of a planet of the Earth's size and air; baked once a process.
+pub(crate) fn large_planet_file() -> &'static Path {
+    static FILE: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
+    &FILE.get_or_init(|| baked("terra", 0, None)).1
 }
 
 /// Everything that draws and checks the tiny planet.

@@ -1,12 +1,14 @@
 //! A planet's recipe: TOML text and the images it names, range-checked. In: text, or a file. Out: a [`Recipe`], from
 //! which [`crate::terrain::Terrain`] is built. Keys, units and ranges are documented in `recipes/README.md`.
 
+mod atmosphere;
 mod edit;
 mod error;
 mod layer;
 mod palette;
 mod reader;
 
+pub use atmosphere::Atmosphere;
 pub use edit::{Edit, EditRange, Shape};
 pub use error::RecipeError;
 pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
@@ -26,19 +28,6 @@ pub struct Sea {
     pub deep: [f64; 3],
     /// Ground within about this many metres of the level is flattened into beaches and shelves (0: not at all).
     pub beach_m: f64,
-}
-
-/// A thin shell of gas, exponential in height above the radius.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Atmosphere {
-    /// Height in metres over which the molecules thin out by a factor e.
-    pub scale_height_m: f64,
-    /// Rayleigh scattering at the datum for red, green, blue, per metre.
-    pub rayleigh: [f64; 3],
-    /// Aerosol scattering at the datum, per metre.
-    pub mie: f64,
-    /// Height in metres over which the aerosols thin out by a factor e.
-    pub mie_scale_height_m: f64,
 }
 
 /// A file that the recipe refers to, as its raw bytes.
@@ -190,18 +179,5 @@ impl Sea {
         };
         reader.finish()?;
         Ok(sea)
-    }
-}
-
-impl Atmosphere {
-    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
-        let atmosphere = Self {
-            scale_height_m: reader.number("scale_height_m", 1.0..=1e6)?,
-            rayleigh: reader.numbers("rayleigh_per_m", 0.0..=1.0)?,
-            mie: reader.number("mie_per_m", 0.0..=1.0)?,
-            mie_scale_height_m: reader.number("mie_scale_height_m", 1.0..=1e6)?,
-        };
-        reader.finish()?;
-        Ok(atmosphere)
     }
 }

@@ -135,6 +135,14 @@ impl<'a> Reader<'a> {
         fixed(value, &range).ok_or_else(|| self.wrong_value(key, value, &expected))
     }
 
+    /// One number within `range` for red, green and blue alike, or three.
+    pub(crate) fn number_or_numbers(&self, key: &'static str, range: RangeInclusive<f64>) -> Result<[f64; 3], RecipeError> {
+        let expected = format!("{}, or three of them", number_in(&range));
+        let value = self.require(key, &expected)?;
+        let one = within(value, &range).map(|number| [number; 3]);
+        one.or_else(|| fixed(value, &range)).ok_or_else(|| self.wrong_value(key, value, &expected))
+    }
+
     /// Two numbers within `range`, the first below the second.
     pub(crate) fn span(&self, key: &'static str, range: RangeInclusive<f64>) -> Result<[f64; 2], RecipeError> {
         let pair: [f64; 2] = self.numbers(key, range)?;

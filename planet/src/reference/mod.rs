@@ -2,6 +2,7 @@
 //!
 //! [`cut`] and [`work`] are the stages that run on the CPU in production too.
 
+pub mod air;
 pub mod cut;
 pub mod emit;
 pub mod place;

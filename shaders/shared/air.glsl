@@ -1,0 +1,169 @@
+// What the air is made of, ways through it, and how its look-up tables are laid out (Hillaire 2020; transmittance after Bruneton and
+// Neyret 2008). Heights here count from the lowest ground that air lies on, and `c` is a cosine against the vertical. Differences of
+// squares would lose the metres that matter near the ground: no formula here has one.
+
+#ifndef TERRANE_AIR
+#define TERRANE_AIR
+#include "light.glsl"
+
+// Irradiance of the sun outside the air, in the units that exposure maps to the display.
+const float SUN = 10.0;
+// The sun's angular radius.
+const float SUN_RADIUS = 0.00465;
+// Irradiance of the night sky on level ground: airglow, and earthshine of a kind. Brighter than true, so that nights are dark and not
+// black at the exposure of days.
+const vec3 NIGHT = vec3(0.016, 0.022, 0.032);
+
+// Per metre.
+struct Medium {
+    vec3 rayleigh;
+    vec3 mie;
+    vec3 extinction;
+};
+
+Medium medium_at(float height) {
+    float h = height + light.air_bottom;
+    float molecules = exp(-h / light.scale_height);
+    float haze = exp(-h / light.mie_scale_height);
+    float ozone = max(1.0 - abs(h - light.ozone_height) / light.ozone_reach, 0.0);
+    vec3 rayleigh = light.rayleigh * molecules;
+    return Medium(rayleigh, light.mie * haze, rayleigh + light.mie_extinction * haze + light.ozone * ozone);
+}
+
+float bottom_radius() { return light.radius + light.air_bottom; }
+float thickness() { return light.air_top - light.air_bottom; }
+
+// The eye's height, or the air's upper edge where it is above.
+float eye_height() { return clamp(light.altitude - light.air_bottom, 0.0, thickness()); }
+bool is_outside() { return light.altitude > light.air_top; }
+
+float rayleigh_phase(float c) { return 3.0 / (16.0 * PI) * (1.0 + c * c); }
+
+// Cornette and Shanks 1992.
+float mie_phase(float c) {
+    float g = light.mie_g;
+    float base = max(1.0 + g * g - 2.0 * g * c, 1e-4);
+    return 3.0 / (8.0 * PI) * (1.0 - g * g) / (2.0 + g * g) * (1.0 + c * c) / (base * sqrt(base));
+}
+
+// Cosine of the lowest ground's horizon as seen from a height.
+float horizon_cosine(float height) {
+    float r = bottom_radius();
+    return -sqrt(height * (2.0 * r + height)) / (r + height);
+}
+
+// Length of a ray from a height to the lowest ground, or to the air's upper edge.
+float way_length(float height, float c, bool to_ground) {
+    float bottom = bottom_radius();
+    float b = (bottom + height) * c;
+    if (to_ground) {
+        float q = height * (2.0 * bottom + height);
+        return q / max(sqrt(max(b * b - q, 0.0)) - b, 1e-3);
+    }
+    float top = thickness();
+    float q = max((top - height) * (2.0 * bottom + top + height), 0.0);
+    float root = sqrt(b * b + q);
+    return b > 0.0 ? q / (b + root) : root - b;
+}
+
+// Height and distance from the centre after `t` metres along a ray.
+vec2 after(float height, float c, float t) {
+    float r = bottom_radius() + height;
+    float root = sqrt(r * r + 2.0 * r * t * c + t * t);
+    return vec2(max(height + t * (2.0 * r * c + t) / (root + r), 0.0), root);
+}
+
+// Ends of a table are at the centres of its outermost texels.
+vec2 to_texels(vec2 x, ivec2 size) { return (0.5 + clamp(x, 0.0, 1.0) * vec2(size - 1)) / vec2(size); }
+vec2 from_texel(ivec2 texel, ivec2 size) { return vec2(texel) / vec2(size - 1); }
+
+// --- Transmittance to the air's upper edge, by height and cosine. ---
+
+vec2 transmittance_place(float height, float c) {
+    float bottom = bottom_radius(), top = thickness();
+    float rho = sqrt(height * (2.0 * bottom + height)), edge = sqrt(top * (2.0 * bottom + top));
+    float nearest = top - height, farthest = rho + edge;
+    return vec2((way_length(height, c, false) - nearest) / (farthest - nearest), rho / edge);
+}
+
+// The inverse: height and cosine.
+vec2 transmittance_ray(vec2 place) {
+    float bottom = bottom_radius(), top = thickness();
+    float edge = sqrt(top * (2.0 * bottom + top)), rho = edge * place.y;
+    float r = sqrt(rho * rho + bottom * bottom), height = rho * rho / (r + bottom);
+    float nearest = top - height, d = nearest + place.x * (rho + edge - nearest);
+    float c = d > 0.0 ? ((top - height) * (2.0 * bottom + top + height) - d * d) / (2.0 * r * d) : 1.0;
+    return vec2(height, clamp(c, -1.0, 1.0));
+}
+
+// Share of the sun's disc above the horizon of a height.
+float sun_visibility(float height, float c) { return smoothstep(-SUN_RADIUS, SUN_RADIUS, c - horizon_cosine(height)); }
+
+// --- Tables by the sun's cosine and by height, both finest near 0. ---
+
+vec2 sun_place(float height, float c) {
+    return vec2(0.5 + 0.5 * sign(c) * sqrt(abs(c)), sqrt(height / thickness()));
+}
+
+// The inverse: height and cosine.
+vec2 sun_height(vec2 place) {
+    float x = 2.0 * place.x - 1.0;
+    return vec2(place.y * place.y * thickness(), x * abs(x));
+}
+
+// --- Tables of the eye: rays by their latitude against the horizon of where they begin, where the eye is or, from outside, where they
+// enter the air; the lower half of the rows meets the ground, the upper half does not, and both are finest at the horizon. ---
+
+// Rows of the upper half, less one, of latitudes below the horizontal, where rays dip into denser air: the more of them the farther the
+// horizon lies below, and all from outside. A whole number, so that the map has its bend at the centre of a row.
+float dipping_rows(float horizon, float half_rows) {
+    if (is_outside()) return half_rows - 1.0;
+    return round((half_rows - 1.0) * horizon / (horizon - 0.035));
+}
+
+float latitude_row(float c, bool to_ground, int rows) {
+    float horizon = asin(horizon_cosine(eye_height())), latitude = asin(clamp(c, -1.0, 1.0));
+    float half_rows = float(rows / 2), dipping = dipping_rows(horizon, half_rows);
+    float row;
+    if (to_ground) {
+        row = (half_rows - 1.0) * sqrt(clamp((horizon - latitude) / (horizon + 0.5 * PI), 0.0, 1.0));
+    } else if (latitude < 0.0) {
+        row = half_rows + dipping * sqrt(clamp(1.0 - latitude / horizon, 0.0, 1.0));
+    } else {
+        row = half_rows + dipping + (half_rows - 1.0 - dipping) * sqrt(latitude / (0.5 * PI));
+    }
+    return (0.5 + row) / float(rows);
+}
+
+// The inverse, for the centre of a row.
+float row_cosine(int row, int rows, out bool to_ground) {
+    float horizon = asin(horizon_cosine(eye_height()));
+    float half_rows = float(rows / 2), above = float(row) - half_rows, dipping = dipping_rows(horizon, half_rows);
+    to_ground = above < 0.0;
+    float share = float(row) / (half_rows - 1.0);
+    if (to_ground) return sin(mix(horizon, -0.5 * PI, share * share));
+    share = above / max(dipping, 1.0);
+    if (above < max(dipping, 1.0)) return sin(horizon * (1.0 - share * share));
+    share = (above - dipping) / max(half_rows - 1.0 - dipping, 1.0);
+    return sin(0.5 * PI * share * share);
+}
+
+// Distances along a ray as shares of its length, finest at both ends.
+float spread(float share) { return share < 0.5 ? sqrt(0.5 * share) : 1.0 - sqrt(0.5 * (1.0 - share)); }
+float unspread(float x) { return x < 0.5 ? 2.0 * x * x : 1.0 - 2.0 * (1.0 - x) * (1.0 - x); }
+
+// Where along a ray scattered light is kept: by distance and by opacity in equal parts. By opacity alone it would be best for rays in
+// daylight, but the light at the end of a long ray through the Earth's shadow would fall between the last two places.
+float ray_part(float share, float opacity_share) { return 0.5 * (spread(share) + opacity_share); }
+
+vec3 eye_vertical() { return normalize(light.camera); }
+
+// Horizontally towards the sun from the eye; any horizontal direction where the sun is overhead.
+vec3 sunward() {
+    vec3 up = eye_vertical();
+    vec3 aside = light.sun - up * dot(light.sun, up);
+    if (dot(aside, aside) > 1e-9) return normalize(aside);
+    return normalize(cross(up, abs(up.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
+}
+
+#endif

@@ -1,0 +1,206 @@
+//! The air of pictures against brute force in f64, from 2 m to 100,000 km, by the difference that a viewer could see: in 8-bit steps
+//! after the tonemap.
+
+use crate::harness::{device, large_planet_file, planet_file};
+use glam::DVec3;
+use std::path::Path;
+use terrane::frame::{sun_over, Look, DAYLIGHT};
+use terrane::headless::Headless;
+use terrane::scene::{Scene, SceneOptions};
+use terrane::vulkan::Context;
+use terrane_planet::layout::{Mode, Shading};
+use terrane_planet::reference::air::{Air, SUN_RADIUS};
+use terrane_planet::sphere::direction_at;
+use terrane_planet::view::{Camera, View, NEAR};
+
+const SIZE: [u32; 2] = [96, 54];
+/// Largest difference that passes, in steps of 1/255.
+const LARGEST: f64 = 2.0;
+/// Pixels compared in each picture.
+const SAMPLES: usize = 24;
+
+/// A view: metres above sea level, pitch, vertical field of view in degrees, and the sun's azimuth and elevation. All look north-east.
+type Stand = (f64, f64, f64, [f64; 2]);
+
+const STANDS: [Stand; 26] = [
+    (2.0, 3.0, 50.0, [45.0, 10.0]),
+    (2.0, 0.0, 8.0, [45.0, 0.5]),
+    (2.0, 20.0, 90.0, [90.0, 60.0]),
+    (2.0, 0.0, 60.0, [60.0, -4.0]),
+    (60.0, -1.0, 50.0, [200.0, 35.0]),
+    (60.0, 1.0, 30.0, [30.0, 2.0]),
+    (1500.0, -5.0, 50.0, [225.0, 3.0]),
+    (1500.0, -2.0, 40.0, [45.0, 30.0]),
+    (9000.0, -5.0, 50.0, [60.0, 5.0]),
+    (9000.0, -40.0, 60.0, [10.0, 45.0]),
+    (9000.0, -3.0, 10.0, [45.0, -1.0]),
+    (30e3, -6.0, 40.0, [45.0, 4.0]),
+    (30e3, -30.0, 60.0, [300.0, 70.0]),
+    (9e4, -10.0, 50.0, [45.0, 12.0]),
+    (9.7e4, -9.0, 30.0, [45.0, -8.0]),
+    (3e5, -18.0, 30.0, [60.0, 40.0]),
+    (3e5, -17.0, 12.0, [45.0, -15.0]),
+    (3e5, -60.0, 50.0, [120.0, 5.0]),
+    (3e6, -50.0, 30.0, [45.0, 0.0]),
+    (3e6, -90.0, 70.0, [45.0, 60.0]),
+    (1.2e7, -90.0, 50.0, [270.0, 0.0]),
+    (1.2e7, -90.0, 50.0, [135.0, 35.0]),
+    (1.2e7, -71.0, 2.0, [45.0, 5.0]),
+    (1.2e7, -90.0, 50.0, [90.0, -60.0]),
+    (1e8, -90.0, 8.0, [135.0, 20.0]),
+    (1e8, -90.0, 8.0, [45.0, -75.0]),
+];
+
+/// A picture and what its pixels show.
+struct Picture {
+    camera: Camera,
+    shading: Shading,
+    sun: DVec3,
+    with_air: Vec<f32>,
+    without: Vec<f32>,
+    depth: Vec<f32>,
+    shore: Vec<f32>,
+}
+
+struct Studio {
+    scene: Scene,
+    headless: Headless,
+}
+
+impl Studio {
+    fn new(context: &std::sync::Arc<Context>, file: &Path) -> Studio {
+        let scene = Scene::open(context, file, SceneOptions::default()).unwrap();
+        Studio { scene, headless: Headless::new(context, (SIZE[0], SIZE[1])).unwrap() }
+    }
+
+    /// `scale` is that of heights against the Earth's.
+    fn show(&mut self, (altitude, pitch, fov, [azimuth, elevation]): Stand, scale: f64) -> Picture {
+        let planet = self.scene.planet();
+        let place = direction_at(36.62, 106.05);
+        let ground = planet.terrain.height(place).max(0.0);
+        let position = place * (planet.recipe.radius + ground + (altitude * scale).max(2.0));
+        let camera = Camera::looking(position, 45.0, pitch, fov.to_radians(), SIZE);
+        let view = View::new(camera, self.scene.lattice(), planet.cells, 1.0);
+        let cut = self.scene.settle(&view).unwrap();
+        let sun = sun_over(place, azimuth, elevation);
+        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT };
+        self.headless.render(&self.scene, &view, &cut, &look).unwrap();
+        Picture {
+            camera,
+            shading: *self.headless.shading(),
+            sun,
+            with_air: self.headless.radiance().unwrap(),
+            without: self.headless.surface().unwrap(),
+            depth: self.headless.depth().unwrap(),
+            shore: self.headless.shore().unwrap(),
+        }
+    }
+}
+
+impl Picture {
+    /// Pixels spread over the picture.
+    fn samples() -> impl Iterator<Item = usize> {
+        let pixels = (SIZE[0] * SIZE[1]) as usize;
+        (0..SAMPLES).map(move |k| (k * pixels + pixels / 2) / SAMPLES + k * 17 % SIZE[0] as usize).map(move |k| k % pixels)
+    }
+
+    fn ray(&self, pixel: usize) -> DVec3 {
+        let (h, v) = self.camera.half_extents();
+        let x = (2.0 * (pixel as u32 % SIZE[0]) as f64 + 1.0) / f64::from(SIZE[0]) - 1.0;
+        let y = 1.0 - (2.0 * (pixel as u32 / SIZE[0]) as f64 + 1.0) / f64::from(SIZE[1]);
+        self.camera.forward + self.camera.right() * (h * x) + self.camera.up * (v * y)
+    }
+
+    /// Metres along a unit ray to what a pixel shows.
+    fn distance(&self, pixel: usize, ray: DVec3, stretch: f64) -> f64 {
+        let depth = f64::from(self.depth[pixel]);
+        let ground = if depth > 0.0 { f64::from(NEAR) / depth * stretch } else { f64::INFINITY };
+        let radius = f64::from(self.shading.radius + self.shading.sea_level);
+        let (along, aside) = (self.camera.position.dot(ray), self.camera.position.cross(ray).length());
+        let sea = aside < radius && along < 0.0 && (depth <= 0.0 || self.shore[pixel] < 0.0);
+        if sea {
+            -along - ((radius - aside) * (radius + aside)).sqrt()
+        } else {
+            ground
+        }
+    }
+
+    /// The largest difference of a sampled pixel from brute force in 8-bit steps, where it is, and both colours.
+    fn largest_difference(&self, air: &Air) -> (f64, usize, [DVec3; 2]) {
+        let differences = Picture::samples().filter_map(|pixel| {
+            let direction = self.ray(pixel);
+            let ray = direction.normalize();
+            let distance = self.distance(pixel, ray, direction.length());
+            if distance.is_infinite() && ray.angle_between(self.sun) < 3.0 * SUN_RADIUS {
+                return None;
+            }
+            let at =
+                |values: &[f32]| DVec3::new(values[4 * pixel].into(), values[4 * pixel + 1].into(), values[4 * pixel + 2].into());
+            let (scattered, passed) = air.before(self.camera.position, ray, distance, self.sun);
+            let behind = if distance.is_infinite() { DVec3::ZERO } else { at(&self.without) };
+            let colours = [at(&self.with_air), behind * passed + scattered];
+            let [found, expected] = colours.map(|colour| 255.0 * displayed(colour * f64::from(DAYLIGHT)));
+            Some(((found - expected).abs().max_element(), pixel, [found, expected]))
+        });
+        differences.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
+    }
+}
+
+/// Twin of `tonemap.frag`, without the dither.
+fn displayed(colour: DVec3) -> DVec3 {
+    let mixed = DVec3::new(
+        0.842479062 * colour.x + 0.0784336 * colour.y + 0.079223745 * colour.z,
+        0.042328242 * colour.x + 0.878468636 * colour.y + 0.079166127 * colour.z,
+        0.042375655 * colour.x + 0.0784336 * colour.y + 0.879142974 * colour.z,
+    );
+    let curve = |c: f64| {
+        let x = ((c.max(1e-10).log2() + 12.47393) / 16.499999).clamp(0.0, 1.0);
+        let y =
+            15.5 * x.powi(6) - 40.14 * x.powi(5) + 31.96 * x.powi(4) - 6.868 * x.powi(3) + 0.4298 * x * x + 0.1191 * x - 0.00232;
+        y.max(0.0).powf(1.2)
+    };
+    let x = DVec3::new(curve(mixed.x), curve(mixed.y), curve(mixed.z));
+    let grey = x.dot(DVec3::new(0.2126, 0.7152, 0.0722));
+    let x = DVec3::splat(grey) + 1.3 * (x - grey);
+    DVec3::new(
+        1.196879005 * x.x - 0.098020881 * x.y - 0.099029744 * x.z,
+        -0.052896852 * x.x + 1.151903130 * x.y - 0.098961177 * x.z,
+        -0.052971636 * x.x - 0.098043450 * x.y + 1.151073673 * x.z,
+    )
+    .clamp(DVec3::ZERO, DVec3::ONE)
+}
+
+#[test]
+fn air_differs_from_brute_force_by_less_than_can_be_seen() {
+    let Some(context) = device() else { return };
+    let mut faults = Vec::new();
+    let mut worst = 0.0f64;
+    for (file, scale) in [(large_planet_file(), 1.0), (planet_file(), 30.0 / 6371.0)] {
+        let mut studio = Studio::new(&context, file);
+        let mut air = None;
+        for stand in STANDS {
+            let picture = studio.show(stand, scale);
+            let air = air.get_or_insert_with(|| Air::new(&picture.shading).unwrap());
+            let (difference, pixel, colours) = picture.largest_difference(air);
+            worst = worst.max(difference);
+            println!("{difference:6.2} {stand:?} x {scale:.4}, pixel {} {}: {colours:.1?}", pixel % 96, pixel / 96);
+            if difference > LARGEST {
+                faults.push(format!("{difference:.2} steps at {stand:?}, scale {scale}, pixel {pixel}"));
+            }
+        }
+    }
+    println!("largest difference: {worst:.2} steps of 8 bits");
+    assert!(faults.is_empty(), "{}", faults.join("\n"));
+}
+
+#[test]
+fn air_one_part_in_ten_denser_is_noticed() {
+    let Some(context) = device() else { return };
+    let mut studio = Studio::new(&context, large_planet_file());
+    for stand in [STANDS[4], STANDS[9], STANDS[15], STANDS[21]] {
+        let picture = studio.show(stand, 1.0);
+        let dense = Shading { rayleigh: picture.shading.rayleigh.map(|x| 1.1 * x), ..picture.shading };
+        let (difference, ..) = picture.largest_difference(&Air::new(&dense).unwrap());
+        assert!(difference > LARGEST, "{difference} steps at {stand:?}");
+    }
+}
