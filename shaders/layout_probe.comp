@@ -152,6 +152,10 @@ void main() {
     words[at++] = bits(shading.exposure);
     words[at++] = bits(shading.adaptation);
     words[at++] = bits(shading.time);
+    words[at++] = bits(shading.anchor.x);
+    words[at++] = bits(shading.anchor.y);
+    words[at++] = bits(shading.anchor.z);
+    words[at++] = bits(shading.sea_variance);
     words[at++] = bits(emitstate.wanted);
     words[at++] = bits(emitstate.capacity);
     words[at++] = bits(emitstate.awake);

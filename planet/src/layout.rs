@@ -218,6 +218,10 @@ gpu_structs! {
         adaptation: f32,
         /// Seconds, for things that move by themselves; 0 in still pictures.
         time: f32,
+        /// The camera's place in metres, less whole periods of REPEAT_M: what repeats stays where it is.
+        anchor: [f32; 3],
+        /// Variance of all slopes of the sea.
+        sea_variance: f32,
     }
 
     /// Counters that emission appends with, and the indirect draw they become.
@@ -337,6 +341,9 @@ pub fn glsl() -> String {
     }
     let _ = writeln!(text, "const float NO_SEA = {NO_SEA:e};");
     let _ = writeln!(text, "const float SHORE_RANGE = {:?};", crate::texture::SHORE_RANGE);
+    let _ = writeln!(text, "const float REPEAT_M = {:?};", crate::waves::REPEAT_M);
+    let copies = crate::waves::CASCADES.map(|cascade| format!("{:?}", f64::from(cascade.copies)));
+    let _ = writeln!(text, "const float WAVE_COPIES[{}] = float[]({});", copies.len(), copies.join(", "));
     text.push_str("\n#endif\n");
     text
 }

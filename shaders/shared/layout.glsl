@@ -83,6 +83,8 @@ struct Shading {
     float exposure;
     float adaptation;
     float time;
+    vec3 anchor;
+    float sea_variance;
 };
 
 struct EmitState {
@@ -112,5 +114,7 @@ const uint TEXTURE_GUTTER = 4u;
 const uint WAKE_ALWAYS = 65535u;
 const float NO_SEA = -1e30;
 const float SHORE_RANGE = 400.0;
+const float REPEAT_M = 1024.0;
+const float WAVE_COPIES[3] = float[](3.0, 19.0, 151.0);
 
 #endif

@@ -4,6 +4,7 @@
 use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
+use super::tiles::Tiles;
 use crate::scene::TexturePool;
 use crate::shaders;
 use crate::vulkan::{
@@ -51,6 +52,7 @@ impl Draw {
         textures: &TexturePool,
         targets: &Targets,
         air: &Air,
+        tiles: &Tiles,
     ) -> Result<()> {
         commands.begin_rendering(
             &[ColorTarget { view: targets.ground.view(), clear: Some([0.0; 4]) }],
@@ -62,6 +64,7 @@ impl Draw {
             ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
             ("albedo", Resource::Sampled(textures.albedo.view(), &textures.sampler)),
             ("relief", Resource::Sampled(textures.relief.view(), &textures.sampler)),
+            tiles.grain(),
         ];
         commands.bind(&self.fill, &[geometry.as_slice(), &shading, &air.light()].concat())?;
         commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;

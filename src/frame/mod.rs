@@ -15,6 +15,7 @@ mod shading;
 mod sky;
 mod tables;
 mod targets;
+mod tiles;
 mod tonemap;
 
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
@@ -37,6 +38,7 @@ use std::sync::Arc;
 use terrane_planet::layout::{EmitState, FrameView, Mode, Shading};
 use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
+use tiles::Tiles;
 use tonemap::Tonemap;
 
 /// Names of the GPU zones of a frame, in order (`air tables` only where the medium is new, `lines` only in wire mode).
@@ -55,6 +57,7 @@ pub struct Renderer {
     ocean: Ocean,
     sky: Sky,
     tonemap: Tonemap,
+    tiles: Tiles,
     context: Arc<Context>,
     /// Of the frame that was prepared last.
     shading: Shading,
@@ -75,6 +78,7 @@ impl Renderer {
             ocean: Ocean::new(context)?,
             sky: Sky::new(context)?,
             tonemap: Tonemap::new(context, format)?,
+            tiles: Tiles::new(context)?,
             context: context.clone(),
             shading: Shading::default(),
             targets: Targets::new(context, size)?,
@@ -138,10 +142,10 @@ impl Renderer {
             commands.transition(color, Access::Undefined, Access::ColorTarget)?;
         }
         commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
-        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets, air_tables))?;
+        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets, air_tables, &self.tiles))?;
         commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets, air_tables))?;
+        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets, air_tables, &self.tiles))?;
         if look.mode == Mode::Wire {
             commands.transition(depth, Access::Sampled, Access::DepthTarget)?;
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;

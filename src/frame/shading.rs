@@ -4,6 +4,7 @@ use glam::DVec3;
 use terrane_planet::layout::{Mode, Shading, NO_SEA};
 use terrane_planet::recipe::{Atmosphere, Recipe};
 use terrane_planet::view::{local_frame, Camera};
+use terrane_planet::waves::{total_variance, REPEAT_M};
 
 /// Scale heights of air above the datum that are worth drawing: what is above would be less than a step of 8 bits at the limb.
 const AIR_SCALE_HEIGHTS: f64 = 12.0;
@@ -51,6 +52,8 @@ pub fn shading(recipe: &Recipe, lowest: f64, camera: &Camera, look: &Look) -> Sh
         exposure: look.exposure,
         adaptation: -1.0,
         size: camera.size.map(|s| s as f32),
+        anchor: camera.position.to_array().map(|x| x.rem_euclid(REPEAT_M) as f32),
+        sea_variance: total_variance() as f32,
         ..Shading::default()
     };
     if let Some(sea) = &recipe.sea {
