@@ -278,6 +278,13 @@ pub enum Mode {
     Depth = 5,
 }
 
+impl Mode {
+    /// Whether the picture shows numbers as colours, not light.
+    pub fn is_diagram(self) -> bool {
+        matches!(self, Mode::Normals | Mode::Albedo | Mode::Depth)
+    }
+}
+
 impl PatchVertex {
     /// The vertices of a patch as the GPU sees them.
     pub fn of_patch(mesh: &PatchMesh, lattice: &Lattice) -> Vec<PatchVertex> {

@@ -12,7 +12,7 @@ const float SUN = 10.0;
 const float SUN_RADIUS = 0.00465;
 // Irradiance of the night sky on level ground: airglow, and earthshine of a kind. Brighter than true, so that nights are dark and not
 // black at the exposure of days.
-const vec3 NIGHT = vec3(0.016, 0.022, 0.032);
+const vec3 NIGHT = vec3(0.014, 0.018, 0.024);
 
 // Per metre.
 struct Medium {

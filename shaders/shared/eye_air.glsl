@@ -22,10 +22,11 @@ struct Way {
     vec2 place;
 };
 
+// By the cosine: what is the same to the left and to the right is smooth in it, and it is finest across, where terminators lie.
 float azimuth_column(vec3 ray, vec3 up, vec3 towards, int columns_count) {
     vec3 along = ray - up * dot(ray, up);
     float cosine = dot(along, towards) * inversesqrt(max(dot(along, along), 1e-20));
-    return (0.5 + acos(clamp(cosine, -1.0, 1.0)) / PI * float(columns_count - 1)) / float(columns_count);
+    return (0.5 + (0.5 - 0.5 * clamp(cosine, -1.0, 1.0)) * float(columns_count - 1)) / float(columns_count);
 }
 
 // False if the ray passes the air.

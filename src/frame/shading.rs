@@ -18,8 +18,10 @@ pub struct Look {
     pub mode: Mode,
     /// Unit vector towards the sun, planet-fixed.
     pub sun: DVec3,
-    /// Factor from radiance to display.
+    /// Factor from radiance to display; where exposure is metered, a factor on what the meter says.
     pub exposure: f32,
+    /// How far metered exposure goes to its goal in this frame, from 0 to 1; none where exposure is fixed.
+    pub metering: Option<f32>,
 }
 
 /// Factor from radiance to display for pictures in daylight.
@@ -49,7 +51,7 @@ pub fn shading(recipe: &Recipe, lowest: f64, camera: &Camera, look: &Look) -> Sh
         sea_level: NO_SEA,
         forward: vector(camera.forward),
         exposure: look.exposure,
-        adaptation: -1.0,
+        adaptation: look.metering.unwrap_or(-1.0),
         size: camera.size.map(|s| s as f32),
         ..Shading::default()
     };

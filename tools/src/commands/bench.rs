@@ -4,7 +4,7 @@ mod percentiles;
 mod savings;
 
 use super::paths::load_path;
-use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{Exposure, camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
@@ -114,7 +114,7 @@ impl Bench {
         let planet = scene.planet();
         let camera = camera_over(planet, stand, self.size);
         let view = change(self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), planet), planet);
-        let look = self.look.look(direction_at(stand.latitude, stand.longitude));
+        let look = self.look.look(&planet.recipe, direction_at(stand.latitude, stand.longitude), Exposure::Fixed(1.0));
         Ok(measure_frame(scene, headless, &view, &look)?)
     }
 
