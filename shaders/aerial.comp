@@ -10,7 +10,7 @@ layout(binding = 3) uniform sampler2D nodes;
 // Where rays begin and point, by the cosines of their azimuth and, where they begin, against the vertical: that is at the eye or, from
 // outside, where they enter the air.
 void place_ray(float cosine, float c, out vec3 vertical, out vec3 ray) {
-    vec3 up = eye_vertical(), towards = sunward();
+    vec3 up = light.vertical, towards = light.sunward;
     vec3 along = towards * cosine + cross(up, towards) * sqrt(max(1.0 - cosine * cosine, 0.0));
     float sine = sqrt(max(1.0 - c * c, 0.0));
     vertical = up;

@@ -2,6 +2,7 @@
 // The sea: the sphere at sea level, met by every view ray in closed form. Whether ground is under water comes from its
 // texture and not from the mesh, which may be coarser than the water is deep, so that coasts are sharp at every altitude.
 #include "mirrored_sky.glsl"
+#include "skylight.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D ground;
@@ -68,7 +69,8 @@ void main() {
     vec3 absorbed = exp(-under * vec3(0.35, 0.075, 0.06) * 0.7);
     vec3 opaque = 1.0 - absorbed;
     vec3 arriving = sun_irradiance(light.sea_level, elevation);
-    vec3 lit = (arriving * max(elevation, 0.0) + sky_irradiance(light.sea_level, elevation)) / PI;
+    vec3 sky = sky_irradiance(light.sea_level, elevation);
+    vec3 lit = (arriving * max(elevation, 0.0) + sky) / PI;
     float depth_share = 1.0 - exp(-water_depth / 25.0);
     vec3 body = mix(light.shallow, light.deep, depth_share) * lit;
 
@@ -82,7 +84,7 @@ void main() {
     float n_h = clamp(dot(normal, half_way), 0.0, 1.0);
     float lobe = n_h * n_h * (a2 - 1.0) + 1.0;
     float glint = a2 / (PI * lobe * lobe) * 0.25 * (0.02 + 0.98 * pow(1.0 - clamp(dot(light.sun, half_way), 0.0, 1.0), 5.0));
-    vec3 mirrored = mirrored_sky(bounced, up, light.sea_level, elevation) * fresnel + arriving * glint * step(0.0, elevation);
+    vec3 mirrored = mirrored_sky(bounced, up, sky) * fresnel + arriving * glint * step(0.0, elevation);
     vec3 floor_seen = ground_color.rgb * absorbed;
     out_color = vec4((body * opaque + floor_seen) * (1.0 - fresnel) + mirrored, 1.0);
 }

@@ -16,15 +16,15 @@ const J2000: f64 = 946_728_000.0;
 pub fn subsolar_point(seconds: f64, tilt_deg: f64) -> [f64; 2] {
     let days = (seconds - J2000) / 86_400.0;
     let t = days / 36_525.0;
-    let mean_longitude = 280.46646 + t * (36_000.76983 + t * 0.000_303_2);
-    let anomaly = (357.52911 + t * (35_999.05029 - t * 0.000_153_7)).to_radians();
+    let mean_longitude = 280.46646 + t * (36_000.769_83 + t * 0.000_303_2);
+    let anomaly = (357.52911 + t * (35_999.050_29 - t * 0.000_153_7)).to_radians();
     let centre = (1.914602 - 0.004817 * t) * anomaly.sin() + 0.019993 * (2.0 * anomaly).sin() + 0.000289 * (3.0 * anomaly).sin();
     let node = (125.04 - 1934.136 * t).to_radians();
     let longitude = (mean_longitude + centre - 0.00569 - 0.00478 * node.sin()).to_radians();
     let tilt = tilt_deg.to_radians();
     let declination = (tilt.sin() * longitude.sin()).asin();
     let right_ascension = (tilt.cos() * longitude.sin()).atan2(longitude.cos());
-    let sidereal = (280.460_618_37 + 360.985_647_366_29 * days).to_radians();
+    let sidereal = (280.460_618 + 360.985_647_366 * days).to_radians();
     let east = (right_ascension - sidereal).to_degrees();
     [declination.to_degrees(), (east + 180.0).rem_euclid(360.0) - 180.0]
 }

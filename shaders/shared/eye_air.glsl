@@ -31,7 +31,7 @@ float azimuth_column(vec3 ray, vec3 up, vec3 towards, int columns_count) {
 
 // False if the ray passes the air.
 bool find_way(vec3 ray, out Way way) {
-    vec3 up = eye_vertical();
+    vec3 up = light.vertical;
     float height = eye_height(), c = dot(ray, up);
     way.start = 0.0;
     if (is_outside()) {
@@ -41,10 +41,10 @@ bool find_way(vec3 ray, out Way way) {
         way.start = hits.x;
         c = -sqrt(max((1.0 - aside) * (1.0 + aside), 0.0));
     }
-    bool to_ground = c < horizon_cosine(height);
+    bool to_ground = c < sin(light.horizon);
     ivec2 size = textureSize(scattered_table, 0).xy;
     way.whole = max(way_length(height, c, to_ground), 1e-3);
-    way.place = vec2(azimuth_column(ray, up, sunward(), size.x), latitude_row(c, to_ground, size.y));
+    way.place = vec2(azimuth_column(ray, up, light.sunward, size.x), latitude_row(c, to_ground, size.y));
     return true;
 }
 
