@@ -146,6 +146,13 @@ void main() {
     words[at++] = bits(shading.deep.y);
     words[at++] = bits(shading.deep.z);
     words[at++] = bits(shading.air_top);
+    words[at++] = bits(shading.vertical.x);
+    words[at++] = bits(shading.vertical.y);
+    words[at++] = bits(shading.vertical.z);
+    words[at++] = bits(shading.horizon);
+    words[at++] = bits(shading.sunward.x);
+    words[at++] = bits(shading.sunward.y);
+    words[at++] = bits(shading.sunward.z);
     words[at++] = bits(shading.size.x);
     words[at++] = bits(shading.size.y);
     words[at++] = bits(shading.ground_albedo);

@@ -3,6 +3,7 @@
 // roughness, so that glitter widens with distance. Whether ground is under water comes from its
 // texture and not from the mesh, which may be coarser than the water is deep, so that coasts are sharp at every altitude.
 #include "mirrored_sky.glsl"
+#include "skylight.glsl"
 #include "tiles.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
@@ -86,7 +87,7 @@ void main() {
     float fresnel = sea_fresnel(clamp(-dot(ray, normal), 0.0, 1.0), variance);
     vec3 bounced = reflect(ray, normal);
     bounced = normalize(bounced + up * max(0.0, 0.7 * sqrt(variance) - dot(bounced, up)));
-    vec3 mirrored = mirrored_sky(bounced, up, light.sea_level, elevation) * fresnel + sun * glitter(ray, up, slopes, variance);
+    vec3 mirrored = mirrored_sky(bounced, up, sky) * fresnel + sun * glitter(ray, up, slopes, variance);
 
     // The edge of the water breaks in lines that the waves bend.
     float edge = water_depth + 6.0 * dot(slopes, vec3(1.0)) * min(1.0, water_depth);

@@ -208,6 +208,12 @@ gpu_structs! {
         deep: [f32; 3],
         /// Height in metres of the atmosphere's upper edge above the datum.
         air_top: f32,
+        /// The eye's vertical.
+        vertical: [f32; 3],
+        /// Latitude in radians at which the eye, or from outside the place where a ray enters the air, sees the horizon of `air_bottom`.
+        horizon: f32,
+        /// Horizontally towards the sun from the eye; any horizontal direction where the sun is overhead.
+        sunward: [f32; 3],
         /// Picture size in pixels.
         size: [f32; 2],
         /// Reflectance of the ground, for light that is scattered more than once.
@@ -280,6 +286,13 @@ pub enum Mode {
     Albedo = 4,
     /// Distance on a logarithmic grey scale.
     Depth = 5,
+}
+
+impl Mode {
+    /// Whether the picture shows numbers as colours, not light.
+    pub fn is_diagram(self) -> bool {
+        matches!(self, Mode::Normals | Mode::Albedo | Mode::Depth)
+    }
 }
 
 impl PatchVertex {

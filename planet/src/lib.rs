@@ -24,6 +24,7 @@ pub mod reference;
 pub mod simplify;
 pub mod sphere;
 pub mod store;
+pub mod sun;
 pub mod terrain;
 pub mod texture;
 pub mod tree;

@@ -78,6 +78,9 @@ struct Shading {
     float air_bottom;
     vec3 deep;
     float air_top;
+    vec3 vertical;
+    float horizon;
+    vec3 sunward;
     vec2 size;
     float ground_albedo;
     float exposure;

@@ -21,7 +21,7 @@ bool is_diagram() { return light.mode == MODE_NORMALS || light.mode == MODE_ALBE
 vec2 through_shell(vec3 ray, float above) {
     float r = light.radius + light.altitude;
     float shell = light.radius + above;
-    float b = dot(ray, normalize(light.camera)) * r;
+    float b = dot(ray, light.vertical) * r;
     // r² - shell², without the cancellation.
     float c = (light.altitude - above) * (r + shell);
     float discriminant = b * b - c;

@@ -6,6 +6,7 @@ mod air;
 mod buffers;
 mod draw;
 mod emit;
+mod meter;
 mod ocean;
 #[cfg(feature = "app")]
 mod overlay;
@@ -13,6 +14,7 @@ mod resolve;
 mod select;
 mod shading;
 mod sky;
+mod stars;
 mod tables;
 mod targets;
 mod tiles;
@@ -30,10 +32,12 @@ use crate::vulkan::{vk, Access, Commands, Context, ImageView, Result};
 use air::Air;
 use draw::Draw;
 use emit::Emit;
+use meter::Meter;
 use ocean::Ocean;
 use resolve::Resolve;
 use select::Select;
 use sky::Sky;
+use stars::Stars;
 use std::sync::Arc;
 use terrane_planet::layout::{EmitState, FrameView, Mode, Shading};
 use terrane_planet::reference::cut::Cut;
@@ -41,8 +45,10 @@ use terrane_planet::view::View;
 use tiles::Tiles;
 use tonemap::Tonemap;
 
-/// Names of the GPU zones of a frame, in order (`air tables` only where the medium is new, `lines` only in wire mode).
-pub const STAGES: [&str; 10] = ["select", "resolve", "emit", "air tables", "air", "draw", "ocean", "lines", "sky", "tonemap"];
+/// Names of the GPU zones of a frame, in order (`air tables` only where the medium is new, `lines` only in wire
+/// mode, `meter` only where exposure is metered).
+pub const STAGES: [&str; 12] =
+    ["select", "resolve", "emit", "air tables", "air", "draw", "ocean", "lines", "sky", "stars", "meter", "tonemap"];
 
 /// How many of them, from the first, make the mesh.
 pub const MESH_STAGES: usize = 3;
@@ -56,6 +62,10 @@ pub struct Renderer {
     draw: Draw,
     ocean: Ocean,
     sky: Sky,
+    stars: Stars,
+    meter: Meter,
+    /// Whether the meter has been read before.
+    metered: bool,
     tonemap: Tonemap,
     tiles: Tiles,
     context: Arc<Context>,
@@ -77,6 +87,9 @@ impl Renderer {
             draw: Draw::new(context)?,
             ocean: Ocean::new(context)?,
             sky: Sky::new(context)?,
+            stars: Stars::new(context)?,
+            meter: Meter::new(context)?,
+            metered: false,
             tonemap: Tonemap::new(context, format)?,
             tiles: Tiles::new(context)?,
             context: context.clone(),
@@ -97,7 +110,7 @@ impl Renderer {
     /// Prepares the tables of the next frame and hands them to the GPU. `whole` draws patches out of sight too.
     pub fn prepare(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look, whole: bool) -> Result<FrameTables> {
         let tables = FrameTables::new(scene, view, cut, whole);
-        self.shading = lit(scene, view, look);
+        self.shading = self.lit(scene, view, look);
         self.buffers.write(&tables, &view.gpu, &self.shading)?;
         Ok(tables)
     }
@@ -105,7 +118,7 @@ impl Renderer {
     /// Prepares another picture of a mesh that is selected and emitted already, from wherever `view` is. `tables` are those of the
     /// frame before, and the scene must not have been updated since.
     pub fn prepare_again(&mut self, scene: &Scene, view: &View, tables: &FrameTables, look: &Look) -> Result<()> {
-        self.shading = lit(scene, view, look);
+        self.shading = self.lit(scene, view, look);
         let shift = (tables.eye - view.eye).as_vec3().to_array();
         self.buffers.write(tables, &FrameView { shift, ..view.gpu }, &self.shading)
     }
@@ -154,8 +167,30 @@ impl Renderer {
         }
         commands.transition(water, Access::ColorTarget, Access::Sampled)?;
         commands.zone("sky", |c| self.sky.record(c, &self.buffers, targets, air_tables))?;
+        if !look.mode.is_diagram() {
+            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
+            commands.zone("stars", |c| self.stars.record(c, &self.buffers, targets, air_tables))?;
+        }
         commands.transition(air, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, &self.targets, picture))
+        if look.metering.is_some() {
+            commands.zone("meter", |c| self.meter.record(c, &self.buffers, targets))?;
+            self.metered = true;
+        }
+        commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, targets, &self.meter, picture))
+    }
+
+    /// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
+    fn lit(&self, scene: &Scene, view: &View, look: &Look) -> Shading {
+        let planet = scene.planet();
+        let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, &view.camera, look);
+        if scene.ground().buries(view.camera.position) {
+            shading.exposure = 0.0;
+        }
+        // The first reading has nothing to adapt from.
+        if look.metering.is_some() && !self.metered {
+            shading.adaptation = 1.0;
+        }
+        shading
     }
 
     /// The shading block of the frame that was prepared last.
@@ -172,16 +207,6 @@ impl Renderer {
     pub fn earlier_counters(&self) -> Result<EmitState> {
         self.buffers.earlier_counters()
     }
-}
-
-/// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
-fn lit(scene: &Scene, view: &View, look: &Look) -> Shading {
-    let planet = scene.planet();
-    let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, &view.camera, look);
-    if scene.ground().buries(view.camera.position) {
-        shading.exposure = 0.0;
-    }
-    shading
 }
 
 /// Keeps the drawn patches on the GPU until the commands are done.
