@@ -8,6 +8,7 @@
 #include "light.glsl"
 
 layout(binding = 1) uniform sampler2D scene;
+layout(binding = 3) uniform sampler2D edges;
 layout(scalar, binding = 2) readonly buffer Exposure { float factor; };
 
 layout(location = 0) in vec2 in_uv;
@@ -34,14 +35,30 @@ vec3 encode_srgb(vec3 x) {
     return mix(12.92 * x, 1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, x));
 }
 
+// As in edges.frag.
+const ivec2 NEIGHBOURS[8] = ivec2[](ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1), ivec2(1, 1), ivec2(-1, 1), ivec2(1, -1), ivec2(-1, -1));
+
+vec3 shown_at(ivec2 pixel) {
+    vec3 color = texelFetch(scene, pixel, 0).rgb;
+    if (light.mode == MODE_NORMALS || light.mode == MODE_DEPTH) return color;
+    if (light.mode == MODE_ALBEDO) return encode_srgb(clamp(color, 0.0, 1.0));
+    float exposure = light.adaptation < 0.0 ? light.exposure : light.exposure * factor;
+    return filmic(color * exposure);
+}
+
 void main() {
-    vec3 color = texelFetch(scene, ivec2(gl_FragCoord.xy), 0).rgb;
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 shown = shown_at(pixel);
+    int edge = int(texelFetch(edges, pixel, 0).r * 255.0 + 0.5) - 1;
+    if (edge >= 0) {
+        // Mixed as encoded: so edges look equally wide on both sides.
+        ivec2 other = clamp(pixel + NEIGHBOURS[edge % 8], ivec2(0), textureSize(scene, 0) - 1);
+        shown = mix(shown, shown_at(other), float(edge / 8 + 1) / 8.0);
+    }
     if (light.mode == MODE_NORMALS || light.mode == MODE_DEPTH) {
-        out_color = vec4(color, 1.0);
+        out_color = vec4(shown, 1.0);
         return;
     }
-    float exposure = light.adaptation < 0.0 ? light.exposure : light.exposure * factor;
-    vec3 shown = light.mode == MODE_ALBEDO ? encode_srgb(clamp(color, 0.0, 1.0)) : filmic(color * exposure);
     // Interleaved gradient noise (Jimenez 2014).
     float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
     out_color = vec4(shown + dither / 255.0, 1.0);

@@ -5,6 +5,7 @@
 mod air;
 mod buffers;
 mod draw;
+mod edges;
 mod emit;
 mod meter;
 mod ocean;
@@ -31,6 +32,7 @@ use crate::scene::Scene;
 use crate::vulkan::{vk, Access, Commands, Context, ImageView, Result};
 use air::Air;
 use draw::Draw;
+use edges::Edges;
 use emit::Emit;
 use meter::Meter;
 use ocean::Ocean;
@@ -47,8 +49,8 @@ use tonemap::Tonemap;
 
 /// Names of the GPU zones of a frame, in order (`air tables` only where the medium is new, `lines` only in wire
 /// mode, `meter` only where exposure is metered).
-pub const STAGES: [&str; 12] =
-    ["select", "resolve", "emit", "air tables", "air", "draw", "ocean", "lines", "sky", "stars", "meter", "tonemap"];
+pub const STAGES: [&str; 13] =
+    ["select", "resolve", "emit", "air tables", "air", "draw", "edges", "ocean", "lines", "sky", "stars", "meter", "tonemap"];
 
 /// How many of them, from the first, make the mesh.
 pub const MESH_STAGES: usize = 3;
@@ -60,6 +62,7 @@ pub struct Renderer {
     emit: Emit,
     air: Air,
     draw: Draw,
+    edges: Edges,
     ocean: Ocean,
     sky: Sky,
     stars: Stars,
@@ -79,12 +82,14 @@ pub struct Renderer {
 impl Renderer {
     /// Builds everything for pictures of a size and format.
     pub fn new(context: &Arc<Context>, size: (u32, u32), format: vk::Format) -> Result<Renderer> {
+        let samples = context.samples();
         Ok(Renderer {
             select: Select::new(context)?,
             resolve: Resolve::new(context)?,
             emit: Emit::new(context)?,
             air: Air::new(context)?,
-            draw: Draw::new(context)?,
+            draw: Draw::new(context, samples)?,
+            edges: Edges::new(context, samples)?,
             ocean: Ocean::new(context)?,
             sky: Sky::new(context)?,
             stars: Stars::new(context)?,
@@ -94,7 +99,7 @@ impl Renderer {
             tiles: Tiles::new(context)?,
             context: context.clone(),
             shading: Shading::default(),
-            targets: Targets::new(context, size)?,
+            targets: Targets::new(context, size, samples)?,
             buffers: FrameBuffers::new(context)?,
         })
     }
@@ -102,7 +107,7 @@ impl Renderer {
     /// Follows a change of picture size.
     pub fn resize(&mut self, size: (u32, u32)) -> Result<()> {
         if self.targets.size != size {
-            self.targets = Targets::new(&self.context, size)?;
+            self.targets = Targets::new(&self.context, size, self.context.samples())?;
         }
         Ok(())
     }
@@ -155,7 +160,21 @@ impl Renderer {
             commands.transition(color, Access::Undefined, Access::ColorTarget)?;
         }
         commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
+        if let Some(samples) = &targets.samples {
+            commands.transition(samples.ground.view(), Access::Undefined, Access::ColorTarget)?;
+            commands.transition(samples.depth.view(), Access::Undefined, Access::DepthTarget)?;
+        }
         commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets, air_tables, &self.tiles))?;
+        let edges = targets.edges.view();
+        commands.transition(edges, Access::Undefined, Access::ColorTarget)?;
+        if let Some(samples) = &targets.samples {
+            commands.transition(samples.depth.view(), Access::DepthTarget, Access::Sampled)?;
+            commands.transition(samples.ground.view(), Access::ColorTarget, Access::Sampled)?;
+            commands.zone("edges", |c| self.edges.record(c, targets))?;
+        } else {
+            targets.clear_edges(commands)?;
+        }
+        commands.transition(edges, Access::ColorTarget, Access::Sampled)?;
         commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
         commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets, air_tables, &self.tiles))?;

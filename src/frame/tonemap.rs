@@ -36,6 +36,7 @@ impl Tonemap {
                 ("Light", Resource::Storage(buffers.shading())),
                 ("Exposure", Resource::Storage(meter.factor())),
                 ("scene", Resource::Sampled(targets.scene.view(), &targets.nearest)),
+                ("edges", Resource::Sampled(targets.edges.view(), &targets.nearest)),
             ],
         )?;
         commands.draw(3, 1)?;

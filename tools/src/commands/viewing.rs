@@ -41,6 +41,16 @@ pub(crate) struct GpuOptions {
     /// Run the Vulkan validation layer, with synchronization validation; any message is an error.
     #[arg(long)]
     validate: bool,
+    /// Samples a pixel for smooth edges of the ground; 4 unless told otherwise, and 1 on software renderers.
+    #[arg(long, value_name = "1|2|4|8", value_parser = samples)]
+    msaa: Option<u32>,
+}
+
+fn samples(text: &str) -> anyhow::Result<u32> {
+    match text.parse() {
+        Ok(samples @ (1 | 2 | 4 | 8)) => Ok(samples),
+        _ => bail!("'{text}' is not 1, 2, 4 or 8"),
+    }
 }
 
 impl GpuOptions {
@@ -50,7 +60,7 @@ impl GpuOptions {
             None => GpuChoice::Auto,
             Some(text) => text.parse().map_or_else(|_| GpuChoice::Name(text.clone()), GpuChoice::Index),
         };
-        ContextOptions { gpu, validation: self.validate }
+        ContextOptions { gpu, validation: self.validate, samples: self.msaa }
     }
 
     /// A context without a window.
