@@ -41,9 +41,11 @@ struct Shot {
     view: &'static [&'static str],
 }
 
-const SHOTS: [Shot; 6] = [
+const SHOTS: [Shot; 8] = [
     Shot { name: "orbit", planet: "terra", view: &["--at", "20,90,12000000"] },
     Shot { name: "limb", planet: "terra", view: &["--at", "36.62,106.05,300000", "--look", "60,-18"] },
+    Shot { name: "terminator", planet: "terra", view: &["--at", "10,100,9000000", "--sun", "90,2"] },
+    Shot { name: "glitter", planet: "terra", view: &["--at", "36.6,106.02,600", "--look", "10,-8", "--sun", "10,18"] },
     Shot { name: "coast", planet: "terra", view: &["--at", "36.62,106.05,4000", "--look", "0,-8"] },
     Shot { name: "mountains", planet: "terra", view: &["--at", "36.9,106.05,9000", "--look", "0,-12"] },
     Shot { name: "ground", planet: "terra", view: &["--at", "36.62,106.05,60", "--look", "30,-5"] },
