@@ -209,6 +209,7 @@ impl Flight {
             counters: self.counters,
             patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
             awaited: self.scene.awaited(),
+            allocated: self.context.allocated_bytes(),
             bytes: [self.scene.gpu_bytes(), self.scene.host_bytes()],
             device: &self.context.device_info().name,
             flying: self.viewer.flying,

@@ -32,6 +32,8 @@ pub(super) struct Status<'a> {
     pub(super) awaited: usize,
     /// Bytes that patches take on the GPU, and in main memory; of each also the most they may take.
     pub(super) bytes: [(u64, u64); 2],
+    /// Bytes of everything on the GPU.
+    pub(super) allocated: u64,
     /// Name of the device.
     pub(super) device: &'a str,
     /// Whether the view is in free flight.
@@ -61,13 +63,14 @@ impl Overlay {
         let rate = if self.frame_seconds > 0.0 { 1.0 / self.frame_seconds } else { 0.0 };
         let rate = if rate < 9.95 { format!("{rate:.1}") } else { format!("{rate:.0}") };
         let mut text = format!(
-            "{}  {rate} fps  {} triangles  {} awake vertices  {} patches, {} to come  {} GPU, {} host  {}\n",
+            "{}  {rate} fps  {} triangles  {} awake vertices  {} patches, {} to come\nGPU {} for patches, {} MB in all  host {}  {}\n",
             distance(status.height),
             count(status.counters.wanted),
             count(status.counters.awake),
             status.patches,
             status.awaited,
             megabytes(status.bytes[0]),
+            status.allocated / 1_000_000,
             megabytes(status.bytes[1]),
             // What follows in brackets is about the driver.
             status.device.split(" (").next().unwrap_or_default()

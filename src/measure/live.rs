@@ -40,6 +40,8 @@ pub struct LiveFrame {
     pub awaited: usize,
     /// Bytes of patches on the GPU.
     pub gpu_bytes: u64,
+    /// Bytes of everything on the GPU.
+    pub allocated_bytes: u64,
     /// Metres by which the camera was lifted out of drawn ground.
     pub lifted_m: f64,
     /// Whether nothing was missing.
@@ -116,6 +118,7 @@ impl<'a> LiveFlight<'a> {
             resident: self.scene.resident_count(),
             awaited: self.scene.awaited(),
             gpu_bytes: self.scene.gpu_bytes().0,
+            allocated_bytes: self.context.allocated_bytes(),
             lifted_m: lifted.position.distance(camera.position),
             settled: self.scene.is_settled(),
         };

@@ -1,6 +1,7 @@
 //! The device that everything is created on: instance, GPU, queue and memory.
 
 use std::mem::ManuallyDrop;
+use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{ext, khr, vk};
@@ -34,6 +35,8 @@ pub struct Context {
     samples: u32,
     // Dropped by hand, before the device.
     allocator: ManuallyDrop<Mutex<Allocator>>,
+    /// Bytes of all buffers and images.
+    pub(super) allocated: AtomicU64,
     push_descriptor: khr::push_descriptor::Device,
     debug: Option<ext::debug_utils::Device>,
     device: ash::Device,
@@ -87,6 +90,7 @@ impl Context {
         tracing::info!(gpu = %gpu.info.name, driver = %gpu.info.driver_info, "Vulkan device");
         Ok(Arc::new(Self {
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
+            allocated: AtomicU64::new(0),
             push_descriptor: khr::push_descriptor::Device::new(&instance.handle, &device),
             debug,
             device,
@@ -100,6 +104,11 @@ impl Context {
     /// The GPU and its driver.
     pub fn device_info(&self) -> &GpuInfo {
         &self.gpu.info
+    }
+
+    /// Bytes of all buffers and images on the device: patches, textures, look-up tables, targets.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.allocated.load(Ordering::Relaxed)
     }
 
     /// Samples a pixel that pictures are drawn with.

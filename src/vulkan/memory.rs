@@ -2,6 +2,8 @@
 
 use ash::vk;
 use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme};
+use std::sync::atomic::Ordering;
+
 use gpu_allocator::{AllocationError, MemoryLocation};
 
 use super::error::{Result, VulkanError};
@@ -43,11 +45,15 @@ pub(crate) fn allocate(
         linear,
         allocation_scheme: AllocationScheme::GpuAllocatorManaged,
     };
-    context.allocator().allocate(&description).map_err(|error| allocation_error(name, requirements.size, &error))
+    let allocation =
+        context.allocator().allocate(&description).map_err(|error| allocation_error(name, requirements.size, &error))?;
+    context.allocated.fetch_add(allocation.size(), Ordering::Relaxed);
+    Ok(allocation)
 }
 
 /// Gives memory back.
 pub(crate) fn free(context: &Context, allocation: Allocation) {
+    context.allocated.fetch_sub(allocation.size(), Ordering::Relaxed);
     if let Err(error) = context.allocator().free(allocation) {
         tracing::error!("freeing device memory: {error}");
     }

@@ -27,6 +27,8 @@ pub(super) struct Flight {
     wall_s: f64,
     /// Bytes of patches: the most on the GPU and the most allowed there, then the same of main memory.
     bytes: [(u64, u64); 2],
+    /// Bytes of everything on the GPU, at most.
+    allocated: u64,
 }
 
 impl Bench {
@@ -63,9 +65,11 @@ impl Bench {
         }
         let wall_s = begun.elapsed().as_secs_f64() - checking;
         let tally = scene.tally();
-        let gpu = rows.iter().map(|(_, frame, _)| frame).chain(&at_end).map(|frame| frame.gpu_bytes).max().unwrap_or(0);
+        let frames = || rows.iter().map(|(_, frame, _)| frame).chain(&at_end);
+        let gpu = frames().map(|frame| frame.gpu_bytes).max().unwrap_or(0);
+        let allocated = frames().map(|frame| frame.allocated_bytes).max().unwrap_or(0);
         let bytes = [(gpu, scene.gpu_bytes().1), (host, scene.host_bytes().1)];
-        Ok(Flight { rows, at_end, built: tally.built, read: tally.read, build_s: tally.build_s, wall_s, bytes })
+        Ok(Flight { rows, at_end, built: tally.built, read: tally.read, build_s: tally.build_s, wall_s, bytes, allocated })
     }
 }
 
@@ -99,6 +103,7 @@ impl Flight {
         for (name, (peak, most)) in ["GPU", "host"].iter().zip(self.bytes) {
             println!("{:<22} {:>8.0}   of {:.0}", format!("{name} MB of patches"), megabytes(peak), megabytes(most));
         }
+        println!("GPU MB altogether      {:>8.0}", megabytes(self.allocated));
         if let Some(bytes) = peak_of_process() {
             println!("peak MB of the process {:>8.0}   with what the driver holds in main memory", megabytes(bytes));
         }
@@ -134,7 +139,7 @@ impl Flight {
             "patches_built": self.built, "built_per_s": self.rate(), "build_ms": self.build_ms(), "patches_read": self.read,
             "frames_until_settled": self.at_end.len(), "frame_ms": { "p50": median, "p95": p95, "max": worst },
             "gpu_bytes": self.bytes[0].0, "gpu_budget": self.bytes[0].1, "host_bytes": self.bytes[1].0, "host_budget": self.bytes[1].1,
-            "process_peak_bytes": peak_of_process(), "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,
+            "allocated_bytes": self.allocated, "process_peak_bytes": peak_of_process(), "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,
             "rows": self.rows.iter().map(row).collect::<Vec<_>>(),
         }))
     }
