@@ -162,6 +162,7 @@ impl Flight {
             *share = (1.0 - (-seconds / ADAPTATION_SECONDS).exp()) as f32;
         }
         self.uploads = uploads_within(seconds);
+        self.renderer.time += seconds;
         seconds.min(LONGEST_FRAME)
     }
 

@@ -52,6 +52,9 @@ use tonemap::Tonemap;
 pub const STAGES: [&str; 13] =
     ["select", "resolve", "emit", "air tables", "air", "draw", "edges", "ocean", "lines", "sky", "stars", "meter", "tonemap"];
 
+/// Seconds after which the sea begins again, before single precision runs out.
+const WAVES_REPEAT: f64 = 7200.0;
+
 /// How many of them, from the first, make the mesh.
 pub const MESH_STAGES: usize = 3;
 
@@ -72,6 +75,8 @@ pub struct Renderer {
     tonemap: Tonemap,
     tiles: Tiles,
     context: Arc<Context>,
+    /// Seconds, for things that move by themselves: 0 in still pictures.
+    pub time: f64,
     /// Of the frame that was prepared last.
     shading: Shading,
     pub(crate) targets: Targets,
@@ -98,6 +103,7 @@ impl Renderer {
             tonemap: Tonemap::new(context, format)?,
             tiles: Tiles::new(context)?,
             context: context.clone(),
+            time: 0.0,
             shading: Shading::default(),
             targets: Targets::new(context, size, samples)?,
             buffers: FrameBuffers::new(context)?,
@@ -205,6 +211,7 @@ impl Renderer {
         if scene.ground().buries(view.camera.position) {
             shading.exposure = 0.0;
         }
+        shading.time = (self.time % WAVES_REPEAT) as f32;
         // The first reading has nothing to adapt from.
         if look.metering.is_some() && !self.metered {
             shading.adaptation = 1.0;
