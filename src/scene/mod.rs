@@ -6,12 +6,14 @@
 mod drawn_ground;
 mod keeper;
 mod loader;
+mod options;
 mod resident;
 mod source;
 mod textures;
 
 pub use drawn_ground::DrawnGround;
 pub use keeper::CacheOptions;
+pub use options::{uploads_within, OnDemand, SceneOptions};
 pub use resident::ResidentPatch;
 pub use textures::TexturePool;
 
@@ -19,6 +21,7 @@ use crate::vulkan::{Commands, Context, Upload, VulkanError};
 use glam::DVec3;
 use keeper::Keeper;
 use loader::{Brought, Loaded, Loader, Wish};
+use options::Budget;
 use source::{Source, Sun, Tally};
 use std::collections::HashMap;
 use std::path::Path;
@@ -38,22 +41,6 @@ use thiserror::Error;
 
 /// Bytes staged at a time.
 const UPLOAD_CHUNK: u64 = 8 << 20;
-
-/// Fewest patches on the GPU: the six whole faces, and the children of one.
-const LEAST_PATCHES: u32 = 10;
-
-/// Patches taken in by each frame, of a megabyte and a half each: the first for frames that keep up with the screen; slow frames take
-/// more, so that a slow device does not stay coarse for minutes.
-const UPLOADS_PER_FRAME: (usize, usize) = (6, 36);
-
-/// Patches taken in during a second, between these limits.
-const UPLOADS_PER_SECOND: f64 = 120.0;
-
-/// Most patches under way to the GPU at a time.
-const MOST_UNDER_WAY: usize = 64;
-
-/// One in so many bytes of the host's budget is for patches under way.
-const HOST_SHARE_UNDER_WAY: u64 = 4;
 
 /// Updates for which nothing is asked for after a patch was turned away.
 const PATIENCE: u64 = 60;
@@ -83,20 +70,6 @@ pub enum SceneError {
     },
 }
 
-/// Building what the planet file lacks.
-#[derive(Clone, Debug, PartialEq)]
-pub struct OnDemand {
-    /// Spacing of samples in metres at which there is nothing finer to be built.
-    pub spacing_m: f64,
-    /// Where built patches are kept for another time; nowhere if `None`.
-    pub cache: Option<CacheOptions>,
-}
-
-/// Patches that a frame may take in if the one before took so many seconds.
-pub fn uploads_within(seconds: f64) -> usize {
-    ((seconds * UPLOADS_PER_SECOND) as usize).clamp(UPLOADS_PER_FRAME.0, UPLOADS_PER_FRAME.1)
-}
-
 /// How a scene came by its patches, since it was opened.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SceneTally {
@@ -106,34 +79,6 @@ pub struct SceneTally {
     pub built: u64,
     /// Seconds that building took, all threads together.
     pub build_s: f64,
-}
-
-/// What a scene may use.
-#[derive(Clone, Debug)]
-pub struct SceneOptions {
-    /// Most bytes of patches on the GPU: their vertices, triangle lists and textures. Room for the six whole faces and one set of
-    /// children is always taken, and with textures there are at most as many patches as the device has image layers.
-    pub gpu_bytes: u64,
-    /// Most bytes of main memory for patches: the ground of those on the GPU, for cameras, and those on their way there. Room for as
-    /// many patches as with the least on the GPU, and for one under way, is always taken.
-    pub host_bytes: u64,
-    /// Whether to load textures (checks of the mesh do without).
-    pub textures: bool,
-    /// Whether and how to build what the file lacks.
-    pub on_demand: Option<OnDemand>,
-}
-
-impl SceneOptions {
-    /// Every patch that a view asks for, without textures: for checks of the mesh.
-    pub fn whole_mesh() -> Self {
-        SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, textures: false, on_demand: None }
-    }
-}
-
-impl Default for SceneOptions {
-    fn default() -> Self {
-        SceneOptions { gpu_bytes: 3 << 30, host_bytes: 1 << 30, textures: true, on_demand: None }
-    }
 }
 
 /// A planet and its patches on the GPU.
@@ -175,15 +120,8 @@ impl Scene {
             most_patches = u32::MAX;
             keeper = on_demand.cache.as_ref().and_then(|cache| Keeper::start(path, file.header(), cache));
         }
-        // Only textures need a layer for each patch.
-        let most = if options.textures { context.limits().max_image_array_layers } else { u32::MAX };
-        let bytes =
-            resident::bytes_of_patch(planet.cells) + if options.textures { textures::bytes_of_layer(planet.cells) } else { 0 };
-        let under_way = usize::try_from(options.host_bytes / HOST_SHARE_UNDER_WAY / loader::bytes_under_way(planet.cells));
-        let under_way = under_way.unwrap_or(MOST_UNDER_WAY).clamp(1, MOST_UNDER_WAY);
-        let host_bytes = options.host_bytes - options.host_bytes / HOST_SHARE_UNDER_WAY;
-        let room = (options.gpu_bytes / bytes).min(host_bytes / drawn_ground::bytes_of_patch(planet.cells));
-        let capacity = u32::try_from(room).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches);
+        let Budget { capacity, under_way } =
+            Budget::new(&options, planet.cells, most_patches, context.limits().max_image_array_layers);
         let layers = if options.textures { capacity } else { 1 };
         let textures = TexturePool::new(context, planet.cells, layers)?;
         let tally = Arc::new(Tally::default());

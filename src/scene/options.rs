@@ -1,0 +1,86 @@
+//! What a scene may use, and how much that is in patches.
+
+use super::keeper::CacheOptions;
+use super::{drawn_ground, loader, resident, textures};
+
+/// Fewest patches on the GPU: the six whole faces, and the children of one.
+const LEAST_PATCHES: u32 = 10;
+
+/// Patches taken in by each frame, of a megabyte and a half each: the first for frames that keep up with the screen; slow frames take
+/// more, so that a slow device does not stay coarse for minutes.
+const UPLOADS_PER_FRAME: (usize, usize) = (6, 36);
+
+/// Patches taken in during a second, between these limits.
+const UPLOADS_PER_SECOND: f64 = 120.0;
+
+/// Most patches under way to the GPU at a time.
+const MOST_UNDER_WAY: usize = 64;
+
+/// One in so many bytes of the host's budget is for patches under way.
+const HOST_SHARE_UNDER_WAY: u64 = 4;
+
+/// Building what the planet file lacks.
+#[derive(Clone, Debug, PartialEq)]
+pub struct OnDemand {
+    /// Spacing of samples in metres at which there is nothing finer to be built.
+    pub spacing_m: f64,
+    /// Where built patches are kept for another time; nowhere if `None`.
+    pub cache: Option<CacheOptions>,
+}
+
+/// What a scene may use.
+#[derive(Clone, Debug)]
+pub struct SceneOptions {
+    /// Most bytes of patches on the GPU: their vertices, triangle lists and textures. Room for the six whole faces and one set of
+    /// children is always taken, and with textures there are at most as many patches as the device has image layers.
+    pub gpu_bytes: u64,
+    /// Most bytes of main memory for patches: the ground of those on the GPU, for cameras, and those on their way there. Room for as
+    /// many patches as with the least on the GPU, and for one under way, is always taken.
+    pub host_bytes: u64,
+    /// Whether to load textures (checks of the mesh do without).
+    pub textures: bool,
+    /// Whether and how to build what the file lacks.
+    pub on_demand: Option<OnDemand>,
+}
+
+impl SceneOptions {
+    /// Every patch that a view asks for, without textures: for checks of the mesh.
+    pub fn whole_mesh() -> Self {
+        SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, textures: false, on_demand: None }
+    }
+}
+
+impl Default for SceneOptions {
+    fn default() -> Self {
+        SceneOptions { gpu_bytes: 3 << 30, host_bytes: 1 << 30, textures: true, on_demand: None }
+    }
+}
+
+/// Patches that a frame may take in if the one before took so many seconds.
+pub fn uploads_within(seconds: f64) -> usize {
+    ((seconds * UPLOADS_PER_SECOND) as usize).clamp(UPLOADS_PER_FRAME.0, UPLOADS_PER_FRAME.1)
+}
+
+/// A scene's budgets, in patches.
+pub(super) struct Budget {
+    /// Most on the GPU.
+    pub(super) capacity: u32,
+    /// Most under way to it.
+    pub(super) under_way: usize,
+}
+
+impl Budget {
+    /// The budgets of options, for patches of `cells` cells a side. There are `most_patches` at most, and textures have as many layers.
+    pub(super) fn new(options: &SceneOptions, cells: u32, most_patches: u32, layers: u32) -> Budget {
+        // Only textures need a layer for each patch.
+        let most = if options.textures { layers } else { u32::MAX };
+        let bytes = resident::bytes_of_patch(cells) + if options.textures { textures::bytes_of_layer(cells) } else { 0 };
+        let under_way = usize::try_from(options.host_bytes / HOST_SHARE_UNDER_WAY / loader::bytes_under_way(cells));
+        let host_bytes = options.host_bytes - options.host_bytes / HOST_SHARE_UNDER_WAY;
+        let room = (options.gpu_bytes / bytes).min(host_bytes / drawn_ground::bytes_of_patch(cells));
+        Budget {
+            capacity: u32::try_from(room).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches),
+            under_way: under_way.unwrap_or(MOST_UNDER_WAY).clamp(1, MOST_UNDER_WAY),
+        }
+    }
+}
