@@ -79,6 +79,7 @@ struct Shading {
     vec3 deep;
     float air_top;
     vec2 size;
+    vec4 window;
     float ground_albedo;
     float exposure;
     float adaptation;

@@ -106,6 +106,22 @@ impl Renderer {
         self.buffers.write(tables, &FrameView { shift, ..view.gpu }, &self.shading)
     }
 
+    /// In place of [`Renderer::record_mesh`] after [`Renderer::prepare_again`] with a part of the same view: emits, from the mesh that is
+    /// selected already, the triangles in its window.
+    pub fn record_part(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
+        keep_patches(commands, scene, tables);
+        self.buffers.record_reset(commands)?;
+        commands.barrier(&[Access::TransferWrite], &[Access::ComputeRead, Access::ComputeWrite])?;
+        self.record_emit(commands)
+    }
+
+    fn record_emit(&self, commands: &mut Commands) -> Result<()> {
+        commands.zone("emit", |c| self.emit.record(c, &self.buffers))?;
+        let after = [Access::IndirectRead, Access::IndexRead, Access::GraphicsRead, Access::TransferRead];
+        commands.barrier(&[Access::ComputeWrite], &after)?;
+        self.buffers.record_readback(commands)
+    }
+
     /// In place of [`Renderer::record_mesh`] after [`Renderer::prepare_again`].
     pub fn record_again(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
         keep_patches(commands, scene, tables);
@@ -122,10 +138,7 @@ impl Renderer {
         commands.barrier(between.0, between.1)?;
         commands.zone("resolve", |c| self.resolve.record(c, &self.buffers))?;
         commands.barrier(between.0, between.1)?;
-        commands.zone("emit", |c| self.emit.record(c, &self.buffers))?;
-        let after = [Access::IndirectRead, Access::IndexRead, Access::GraphicsRead, Access::TransferRead];
-        commands.barrier(&[Access::ComputeWrite], &after)?;
-        self.buffers.record_readback(commands)
+        self.record_emit(commands)
     }
 
     /// Records the picture stages into `picture`, which is left in the layout of [`Access::ColorTarget`].
@@ -173,7 +186,7 @@ impl Renderer {
 /// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
 fn lit(scene: &Scene, view: &View, look: &Look) -> Shading {
     let planet = scene.planet();
-    let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, &view.camera, look);
+    let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, view, look);
     if scene.ground().buries(view.camera.position) {
         shading.exposure = 0.0;
     }

@@ -9,4 +9,5 @@ mod history;
 mod layout;
 mod on_demand;
 mod overflow;
+mod stills;
 mod twins;
