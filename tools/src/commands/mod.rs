@@ -3,6 +3,8 @@
 mod building;
 mod paths;
 mod pictures;
+mod radiance;
+mod still;
 mod viewing;
 
 use crate::Outcome;
