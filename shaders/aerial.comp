@@ -7,10 +7,11 @@ layout(rgba16f, binding = 1) uniform writeonly image2DArray scattered_table;
 layout(rgba16f, binding = 2) uniform writeonly image2DArray haze_table;
 layout(binding = 3) uniform sampler2D nodes;
 
-// Where the rays of an azimuth and a starting cosine begin and point: from the eye, or from outside where they enter the air.
-void place_ray(float azimuth, float c, out vec3 vertical, out vec3 ray) {
-    vec3 up = eye_vertical(), towards = sunward();
-    vec3 along = towards * cos(azimuth) + cross(up, towards) * sin(azimuth);
+// Where rays begin and point, by the cosines of their azimuth and, where they begin, against the vertical: that is at the eye or, from
+// outside, where they enter the air.
+void place_ray(float cosine, float c, out vec3 vertical, out vec3 ray) {
+    vec3 up = light.vertical, towards = light.sunward;
+    vec3 along = towards * cosine + cross(up, towards) * sqrt(max(1.0 - cosine * cosine, 0.0));
     float sine = sqrt(max(1.0 - c * c, 0.0));
     vertical = up;
     ray = up * c + along * sine;
@@ -31,7 +32,7 @@ void main() {
     float height = eye_height(), c = row_cosine(texel.y, size.y, to_ground);
     float whole = max(way_length(height, c, to_ground), 1e-3), r = bottom_radius() + height;
     vec3 vertical, ray;
-    place_ray(PI * float(texel.x) / float(size.x - 1), c, vertical, ray);
+    place_ray(1.0 - 2.0 * float(texel.x) / float(size.x - 1), c, vertical, ray);
     float sun_c = dot(vertical, light.sun), nu = dot(ray, light.sun), phase = rayleigh_phase(nu);
 
     int last = textureSize(nodes, 0).x - 1, stride = last / (size.z - 1);

@@ -2,11 +2,13 @@
 // Ground: normals and albedo from per-patch textures, never from the triangles, lit by the sun and the sky.
 #include "frame.glsl"
 #include "skylight.glsl"
+#include "tiles.glsl"
 
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(binding = 2) uniform sampler2DArray slopes;
 layout(binding = 3) uniform sampler2DArray albedo;
 layout(binding = 6) uniform sampler2DArray relief;
+layout(binding = 7) uniform sampler2DArray grain_map;
 
 layout(location = 0) in vec3 in_place;
 layout(location = 1) in vec2 in_grid;
@@ -51,6 +53,27 @@ Ground ground_of(PatchDraw target, float distance, float slant) {
     return own;
 }
 
+// Copies of the grain within REPEAT_M: 5 m and 0.8 m wide, finer than what the finest patches hold.
+const float GRAIN_COPIES[2] = float[](211.0, 1361.0);
+
+// Slopes of the grain as a gradient in space, and its brightness; both fade into nothing where a pixel holds many of them.
+vec4 grain_of(vec3 from_camera, vec3 up, float footprint) {
+    vec4 sum = vec4(0.0);
+    float texels = footprint * float(textureSize(grain_map, 0).x) / REPEAT_M;
+    if (log2(texels * GRAIN_COPIES[0]) > 7.0) return sum;
+    vec3 place = in_periods(from_camera), weights = axis_weights(up);
+    for (int axis = 0; axis < 3; ++axis) {
+        if (weights[axis] <= 0.0) continue;
+        for (int k = 0; k < 2; ++k) {
+            float lod = log2(texels * GRAIN_COPIES[k]);
+            if (lod > 7.0) break;
+            vec3 found = textureLod(grain_map, vec3(coordinates_along(axis, place) * GRAIN_COPIES[k], 0.0), lod).xyz;
+            sum += weights[axis] * vec4(gradient_along(axis, found.xy), found.z);
+        }
+    }
+    return sum;
+}
+
 vec3 level_color(uint level) {
     vec3 phase = vec3(0.0, 0.33, 0.67) + 0.382 * float(level);
     return 0.55 + 0.45 * cos(6.2832 * phase);
@@ -64,6 +87,12 @@ void main() {
     Ground ground = ground_of(target, distance, abs(dot(in_place, up)) / distance);
     vec3 along = normalize(target.grid_axis - up * dot(target.grid_axis, up));
     vec3 normal = normalize(up - along * ground.slope.x - cross(up, along) * ground.slope.y);
+    float footprint = distance * 2.0 * length(light.up) / light.size.y * inversesqrt(max(abs(dot(in_place, normal)) / distance, 0.05));
+    vec4 grain = grain_of(in_place, up, footprint);
+    // Snow and sand are smoother than what grows or lies about.
+    float roughness = mix(0.26, 0.08, smoothstep(0.2, 0.6, dot(ground.albedo, vec3(0.3, 0.6, 0.1))));
+    normal = normalize(normal - roughness * (grain.xyz - normal * dot(grain.xyz, normal)));
+    ground.albedo *= 1.0 + 0.8 * roughness * grain.w;
 
     if (light.mode == MODE_NORMALS) {
         out_color = vec4(0.5 + 0.5 * normal, 1.0);

@@ -146,6 +146,13 @@ void main() {
     words[at++] = bits(shading.deep.y);
     words[at++] = bits(shading.deep.z);
     words[at++] = bits(shading.air_top);
+    words[at++] = bits(shading.vertical.x);
+    words[at++] = bits(shading.vertical.y);
+    words[at++] = bits(shading.vertical.z);
+    words[at++] = bits(shading.horizon);
+    words[at++] = bits(shading.sunward.x);
+    words[at++] = bits(shading.sunward.y);
+    words[at++] = bits(shading.sunward.z);
     words[at++] = bits(shading.size.x);
     words[at++] = bits(shading.size.y);
     words[at++] = bits(shading.window.x);
@@ -156,6 +163,10 @@ void main() {
     words[at++] = bits(shading.exposure);
     words[at++] = bits(shading.adaptation);
     words[at++] = bits(shading.time);
+    words[at++] = bits(shading.anchor.x);
+    words[at++] = bits(shading.anchor.y);
+    words[at++] = bits(shading.anchor.z);
+    words[at++] = bits(shading.sea_variance);
     words[at++] = bits(emitstate.wanted);
     words[at++] = bits(emitstate.capacity);
     words[at++] = bits(emitstate.awake);

@@ -1,7 +1,10 @@
 #version 460
-// The sea: the sphere at sea level, met by every view ray in closed form. Whether ground is under water comes from its
+// The sea: the sphere at sea level, met by every view ray in closed form; waves in its normals, what a pixel cannot resolve of them as
+// roughness, so that glitter widens with distance. Whether ground is under water comes from its
 // texture and not from the mesh, which may be coarser than the water is deep, so that coasts are sharp at every altitude.
 #include "mirrored_sky.glsl"
+#include "skylight.glsl"
+#include "tiles.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D ground;
@@ -9,38 +12,48 @@ layout(binding = 2) uniform sampler2D ground;
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
 
-float hash(vec3 cell) {
-    cell = fract(cell * vec3(0.1031, 0.1030, 0.0973));
-    cell += dot(cell, cell.yxz + 33.33);
-    return fract((cell.x + cell.y) * cell.z);
-}
+layout(binding = 3) uniform sampler2DArray waves;
 
-float noise(vec3 p) {
-    vec3 cell = floor(p), f = p - cell;
-    f = f * f * (3.0 - 2.0 * f);
-    vec4 near = vec4(hash(cell), hash(cell + vec3(1, 0, 0)), hash(cell + vec3(0, 1, 0)), hash(cell + vec3(1, 1, 0)));
-    vec4 far = vec4(hash(cell + vec3(0, 0, 1)), hash(cell + vec3(1, 0, 1)), hash(cell + vec3(0, 1, 1)), hash(cell + vec3(1, 1, 1)));
-    vec4 m = mix(near, far, f.z);
-    vec2 n = mix(m.xz, m.yw, f.x);
-    return mix(n.x, n.y, f.y);
-}
+// How fast the maps of the cascades drift in metres a second, and where to.
+const vec2 DRIFT[3] = vec2[](vec2(6.0, 4.1), vec2(2.4, 1.2), vec2(0.9, -0.3));
+// Reflectance of foam.
+const vec3 FOAM = vec3(0.55, 0.58, 0.6);
 
-// Tilt of the waves that a pixel can resolve; what it cannot becomes roughness.
-vec3 ripple(vec3 place, vec3 up, float footprint, out float roughness) {
-    vec3 tilt = vec3(0.0);
-    float left = 0.24;
-    for (int octave = 0; octave < 4; ++octave) {
-        float wavelength = 64.0 / pow(4.0, float(octave));
-        float seen = 1.0 - smoothstep(0.15, 0.5, footprint / wavelength);
-        if (seen <= 0.0) break;
-        vec3 p = place / wavelength;
-        float here = noise(p);
-        vec3 gradient = vec3(noise(p + vec3(0.3, 0, 0)), noise(p + vec3(0, 0.3, 0)), noise(p + vec3(0, 0, 0.3))) - here;
-        tilt += gradient * seen * 0.12;
-        left -= 0.03 * seen;
+// Slopes of the waves that a pixel resolves, as a gradient in space, and the variance of the slopes of those that it does not.
+vec3 wave_slopes(vec3 from_camera, vec3 up, float footprint, out float variance) {
+    vec3 place = in_periods(from_camera), weights = axis_weights(up), gradient = vec3(0.0);
+    float texels = footprint * float(textureSize(waves, 0).x) / REPEAT_M, resolved = 0.0;
+    for (int axis = 0; axis < 3; ++axis) {
+        if (weights[axis] <= 0.0) continue;
+        for (int k = 0; k < 3; ++k) {
+            float lod = log2(texels * WAVE_COPIES[k]);
+            if (lod > 7.0) break;
+            vec2 at = (coordinates_along(axis, place) - DRIFT[k] * light.time / REPEAT_M) * WAVE_COPIES[k];
+            vec3 found = textureLod(waves, vec3(at, float(k)), lod).xyz;
+            gradient += weights[axis] * gradient_along(axis, found.xy);
+            resolved += weights[axis] * found.z;
+        }
     }
-    roughness = left;
-    return normalize(up - (tilt - up * dot(tilt, up)));
+    variance = max(light.sea_variance - resolved, 0.004);
+    return gradient - up * dot(gradient, up);
+}
+
+// Share of light that a sea of some roughness reflects (Bruneton, Neyret and Holzschuch 2010); `c` is the cosine against its mean.
+float sea_fresnel(float c, float variance) {
+    float deviation = sqrt(variance);
+    return 0.02 + 0.98 * pow(1.0 - c, 5.0 * exp(-2.69 * deviation)) / (1.0 + 22.7 * deviation * sqrt(deviation));
+}
+
+// Sun mirrored by facets whose slopes are spread around those of the resolved waves (Ross, Dion and Potvin 2005).
+float glitter(vec3 ray, vec3 up, vec3 slopes, float variance) {
+    vec3 half_way = normalize(light.sun - ray);
+    float upright = dot(half_way, up);
+    if (upright <= 0.05) return 0.0;
+    vec3 missing = up - half_way / upright - slopes;
+    // Half the variance goes each way.
+    float density = exp(-dot(missing, missing) / variance) / (PI * variance);
+    float fresnel = 0.02 + 0.98 * pow(1.0 - clamp(dot(light.sun, half_way), 0.0, 1.0), 5.0);
+    return fresnel * density / (4.0 * upright * upright * upright * upright * max(-dot(ray, up), 0.06));
 }
 
 void main() {
@@ -50,39 +63,34 @@ void main() {
     bool is_ground = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r > 0.0;
     if (is_ground && ground_color.a >= 0.0) return;
 
-    vec3 view_direction = view_ray(in_uv);
-    vec3 ray = normalize(view_direction);
+    vec3 ray = normalize(view_ray(in_uv));
     float t = distance_to_sea(ray);
     if (t < 0.0) return;
 
-    vec3 place = light.camera + ray * t;
-    vec3 up = normalize(place);
-    float elevation = dot(up, light.sun);
-    float footprint = t * 2.0 * length(light.up) / light.size.y / max(-dot(ray, up), 0.02);
-    float roughness;
-    vec3 normal = ripple(place, up, footprint, roughness);
+    vec3 up = normalize(light.camera + ray * t);
+    float elevation = dot(up, light.sun), grazing = max(-dot(ray, up), 0.0);
+    // As long as a pixel is wide, and half as long as it is deep: what lies between becomes roughness.
+    float pixel = t * 2.0 * length(light.up) / light.size.y;
+    float variance;
+    vec3 slopes = wave_slopes(ray * t, up, pixel / sqrt(max(grazing, 0.02)), variance);
+    vec3 normal = normalize(up - slopes);
 
-    // The water's depth below the surface point, and along the ray.
+    // The water's depth below the surface point, and along the ray, which the surface bends.
     float water_depth = is_ground ? max(-ground_color.a, 0.0) : SHORE_RANGE;
-    float under = water_depth / max(-dot(ray, up), 0.05);
+    float under = water_depth / sqrt(1.0 - 0.56 * (1.0 - grazing * grazing));
     vec3 absorbed = exp(-under * vec3(0.35, 0.075, 0.06) * 0.7);
-    vec3 opaque = 1.0 - absorbed;
-    vec3 arriving = sun_irradiance(light.sea_level, elevation);
-    vec3 lit = (arriving * max(elevation, 0.0) + sky_irradiance(light.sea_level, elevation)) / PI;
-    float depth_share = 1.0 - exp(-water_depth / 25.0);
-    vec3 body = mix(light.shallow, light.deep, depth_share) * lit;
+    vec3 sun = sun_irradiance(light.sea_level, elevation), sky = sky_irradiance(light.sea_level, elevation);
+    vec3 lit = (sun * max(elevation, 0.0) + sky) / PI;
+    vec3 body = mix(light.shallow, light.deep, 1.0 - exp(-water_depth / 25.0)) * lit * (1.0 - absorbed) + ground_color.rgb * absorbed;
 
-    float fresnel = 0.02 + 0.98 * pow(1.0 - clamp(-dot(ray, normal), 0.0, 1.0), 5.0);
-    // A rough sea seen at grazing angles shows its steeper faces: it never becomes a full mirror.
-    fresnel = min(fresnel, 0.02 + 0.55 * (1.0 - roughness));
+    // Facets that face away are not seen: the mirrored sky is that above the mean.
+    float fresnel = sea_fresnel(clamp(-dot(ray, normal), 0.0, 1.0), variance);
     vec3 bounced = reflect(ray, normal);
-    bounced = normalize(bounced + up * max(0.0, 0.05 - dot(bounced, up)));
-    vec3 half_way = normalize(light.sun - ray);
-    float a2 = roughness * roughness;
-    float n_h = clamp(dot(normal, half_way), 0.0, 1.0);
-    float lobe = n_h * n_h * (a2 - 1.0) + 1.0;
-    float glint = a2 / (PI * lobe * lobe) * 0.25 * (0.02 + 0.98 * pow(1.0 - clamp(dot(light.sun, half_way), 0.0, 1.0), 5.0));
-    vec3 mirrored = mirrored_sky(bounced, up, light.sea_level, elevation) * fresnel + arriving * glint * step(0.0, elevation);
-    vec3 floor_seen = ground_color.rgb * absorbed;
-    out_color = vec4((body * opaque + floor_seen) * (1.0 - fresnel) + mirrored, 1.0);
+    bounced = normalize(bounced + up * max(0.0, 0.7 * sqrt(variance) - dot(bounced, up)));
+    vec3 mirrored = mirrored_sky(bounced, up, sky) * fresnel + sun * glitter(ray, up, slopes, variance);
+
+    // The edge of the water breaks in lines that the waves bend.
+    float edge = water_depth + 6.0 * dot(slopes, vec3(1.0)) * min(1.0, water_depth);
+    float foam = 0.7 * smoothstep(0.7, 0.1, edge) * smoothstep(0.0, 0.1, water_depth);
+    out_color = vec4(mix(body * (1.0 - fresnel) + mirrored, FOAM * lit, foam), 1.0);
 }

@@ -8,16 +8,18 @@
 #include "light.glsl"
 
 layout(binding = 1) uniform sampler2D scene;
+layout(binding = 3) uniform sampler2D edges;
+layout(scalar, binding = 2) readonly buffer Exposure { float factor; };
 
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
 
-const mat3 MIX = mat3(0.842479062, 0.042328242, 0.042375655, 0.0784336, 0.878468636, 0.0784336, 0.079223745, 0.079166127, 0.879142974);
-const mat3 UNMIX = mat3(1.196879005, -0.052896852, -0.052971636, -0.098020881, 1.151903130, -0.098043450, -0.099029744, -0.098961177, 1.151073673);
+const mat3 MIX = mat3(0.936992, 0.016931, 0.016950, 0.031373, 0.951387, 0.031373, 0.031689, 0.031666, 0.951657);
+const mat3 UNMIX = mat3(1.068485, -0.018402, -0.018424, -0.034099, 1.052838, -0.034102, -0.034445, -0.034420, 1.052547);
 // Powers of two that the curve maps to black and white.
 const vec2 RANGE = vec2(-12.47393, 4.026069);
-const float CONTRAST = 1.2;
-const float SATURATION = 1.3;
+const float CONTRAST = 1.3;
+const float SATURATION = 1.25;
 
 // The encoded display value of a radiance.
 vec3 filmic(vec3 color) {
@@ -33,13 +35,30 @@ vec3 encode_srgb(vec3 x) {
     return mix(12.92 * x, 1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, step(0.0031308, x));
 }
 
+// As in edges.frag.
+const ivec2 NEIGHBOURS[8] = ivec2[](ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1), ivec2(1, 1), ivec2(-1, 1), ivec2(1, -1), ivec2(-1, -1));
+
+vec3 shown_at(ivec2 pixel) {
+    vec3 color = texelFetch(scene, pixel, 0).rgb;
+    if (light.mode == MODE_NORMALS || light.mode == MODE_DEPTH) return color;
+    if (light.mode == MODE_ALBEDO) return encode_srgb(clamp(color, 0.0, 1.0));
+    float exposure = light.adaptation < 0.0 ? light.exposure : light.exposure * factor;
+    return filmic(color * exposure);
+}
+
 void main() {
-    vec3 color = texelFetch(scene, ivec2(gl_FragCoord.xy), 0).rgb;
+    ivec2 pixel = ivec2(gl_FragCoord.xy);
+    vec3 shown = shown_at(pixel);
+    int edge = int(texelFetch(edges, pixel, 0).r * 255.0 + 0.5) - 1;
+    if (edge >= 0) {
+        // Mixed as encoded: so edges look equally wide on both sides.
+        ivec2 other = clamp(pixel + NEIGHBOURS[edge % 8], ivec2(0), textureSize(scene, 0) - 1);
+        shown = mix(shown, shown_at(other), float(edge / 8 + 1) / 8.0);
+    }
     if (light.mode == MODE_NORMALS || light.mode == MODE_DEPTH) {
-        out_color = vec4(color, 1.0);
+        out_color = vec4(shown, 1.0);
         return;
     }
-    vec3 shown = light.mode == MODE_ALBEDO ? encode_srgb(clamp(color, 0.0, 1.0)) : filmic(color * light.exposure);
     // Interleaved gradient noise (Jimenez 2014).
     float dither = fract(52.9829189 * fract(dot(light.window.xy + gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
     out_color = vec4(shown + dither / 255.0, 1.0);

@@ -159,6 +159,16 @@ impl Headless {
         self.renderer.shading()
     }
 
+    /// Factor from radiance to display of the latest picture, metered if it was.
+    pub fn exposure(&self) -> Result<f32, SceneError> {
+        let shading = self.shading();
+        if shading.adaptation < 0.0 {
+            return Ok(shading.exposure);
+        }
+        let factor = download::<f32>(&self.context, self.renderer.metered_factor(), 1)?;
+        Ok(shading.exposure * factor.first().copied().unwrap_or(1.0))
+    }
+
     /// Where the latest picture shows ground: its depth (near plane over distance), 0 where there is none, row by row.
     pub fn depth(&self) -> Result<Vec<f32>, SceneError> {
         Ok(capture(&self.context, &self.renderer.targets.depth, (0, 0), Access::Sampled)?.to_f32()?)

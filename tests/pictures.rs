@@ -95,6 +95,12 @@ impl Picture {
     }
 }
 
+/// Mean difference of two pictures as people see it from half a metre away (FLIP: Andersson and others 2020), 0 to 1.
+fn flip(a: &Picture, b: &Picture) -> f32 {
+    let [a, b] = [a, b].map(|p| nv_flip::FlipImageRgb8::with_data(p.size[0], p.size[1], &p.rgb));
+    nv_flip::FlipPool::from_image(&nv_flip::flip(a, b, nv_flip::DEFAULT_PIXELS_PER_DEGREE)).mean()
+}
+
 /// How two pictures of one size differ.
 #[derive(Debug)]
 struct Difference {
@@ -150,11 +156,12 @@ fn compare(name: &str, picture: &Picture, references: &Path, failures: &Path) ->
     let strong = reference.rgb.iter().zip(&picture.rgb).map(|(a, b)| a.abs_diff(*b).saturating_mul(16)).collect();
     Picture { size: picture.size, rgb: strong }.write(&failures.join(format!("{name}.difference.png")));
     Err(format!(
-        "{name}: {:.2} % of the pixels differ by more than {LIMIT} (allowed {:.2} %), mean difference {:.2}, worst {}; see {}",
+        "{name}: {:.2} % of the pixels differ by more than {LIMIT} (allowed {:.2} %), mean difference {:.2}, worst {}, FLIP {:.4}; see {}",
         100.0 * difference.outliers,
         100.0 * OUTLIERS,
         difference.mean,
         difference.worst,
+        flip(&reference, picture),
         failures.display()
     ))
 }
@@ -244,6 +251,26 @@ fn pictures_match_their_references() {
         std::fs::write(references().join("recorded.json"), text).unwrap();
     }
     assert!(faults.is_empty(), "on {device}:\n{}\nreferences made with {}", faults.join("\n"), recorded());
+}
+
+/// Largest mean FLIP between pictures of meshes with errors of up to 1 and up to 0.25 pixels.
+const SHADING_FLIP: f32 = 0.03;
+
+#[test]
+fn shading_depends_on_the_mesh() {
+    if device().is_none() {
+        return;
+    }
+    for shot in &SHOTS {
+        let picture = render_shot(shot, &[]);
+        let found = flip(&picture, &render_shot(shot, &["--error", "0.25"]));
+        assert!(found < SHADING_FLIP, "{}: {found}", shot.name);
+        println!("{}: FLIP {found:.4}", shot.name);
+    }
+    // As much as the light of a sun five degrees higher.
+    let shot = shot("coast");
+    let other = flip(&render_shot(shot, &["--sun", "135,35"]), &render_shot(shot, &["--sun", "135,40"]));
+    assert!(other > SHADING_FLIP, "a change of the light that is seen is not told from none: {other}");
 }
 
 #[test]

@@ -208,6 +208,12 @@ gpu_structs! {
         deep: [f32; 3],
         /// Height in metres of the atmosphere's upper edge above the datum.
         air_top: f32,
+        /// The eye's vertical.
+        vertical: [f32; 3],
+        /// Latitude in radians at which the eye, or from outside the place where a ray enters the air, sees the horizon of `air_bottom`.
+        horizon: f32,
+        /// Horizontally towards the sun from the eye; any horizontal direction where the sun is overhead.
+        sunward: [f32; 3],
         /// Picture size in pixels.
         size: [f32; 2],
         /// The part of the picture that is drawn: left, top, width and height in pixels.
@@ -220,6 +226,10 @@ gpu_structs! {
         adaptation: f32,
         /// Seconds, for things that move by themselves; 0 in still pictures.
         time: f32,
+        /// The camera's place in metres, less whole periods of REPEAT_M: what repeats stays where it is.
+        anchor: [f32; 3],
+        /// Variance of all slopes of the sea.
+        sea_variance: f32,
     }
 
     /// Counters that emission appends with, and the indirect draw they become.
@@ -278,6 +288,13 @@ pub enum Mode {
     Albedo = 4,
     /// Distance on a logarithmic grey scale.
     Depth = 5,
+}
+
+impl Mode {
+    /// Whether the picture shows numbers as colours, not light.
+    pub fn is_diagram(self) -> bool {
+        matches!(self, Mode::Normals | Mode::Albedo | Mode::Depth)
+    }
 }
 
 impl PatchVertex {
@@ -339,6 +356,9 @@ pub fn glsl() -> String {
     }
     let _ = writeln!(text, "const float NO_SEA = {NO_SEA:e};");
     let _ = writeln!(text, "const float SHORE_RANGE = {:?};", crate::texture::SHORE_RANGE);
+    let _ = writeln!(text, "const float REPEAT_M = {:?};", crate::waves::REPEAT_M);
+    let copies = crate::waves::CASCADES.map(|cascade| format!("{:?}", f64::from(cascade.copies)));
+    let _ = writeln!(text, "const float WAVE_COPIES[{}] = float[]({});", copies.len(), copies.join(", "));
     text.push_str("\n#endif\n");
     text
 }

@@ -7,6 +7,7 @@ pub mod camera_path;
 pub mod classic;
 pub mod edits;
 pub mod export;
+pub mod grain;
 pub mod ground;
 pub mod heightfield;
 pub mod horizon;
@@ -23,12 +24,14 @@ pub mod reference;
 pub mod simplify;
 pub mod sphere;
 pub mod store;
+pub mod sun;
 pub mod terrain;
 pub mod texture;
 pub mod tree;
 pub mod verify;
 pub mod view;
 pub mod wake;
+pub mod waves;
 
 /// Coarsest tolerance, in radians of screen error, at which the certificate holds (κ₀).
 pub const KAPPA: f64 = 0.003;

@@ -12,7 +12,7 @@ const float SUN = 10.0;
 const float SUN_RADIUS = 0.00465;
 // Irradiance of the night sky on level ground: airglow, and earthshine of a kind. Brighter than true, so that nights are dark and not
 // black at the exposure of days.
-const vec3 NIGHT = vec3(0.016, 0.022, 0.032);
+const vec3 NIGHT = vec3(0.014, 0.018, 0.024);
 
 // Per metre.
 struct Medium {
@@ -122,7 +122,7 @@ float dipping_rows(float horizon, float half_rows) {
 }
 
 float latitude_row(float c, bool to_ground, int rows) {
-    float horizon = asin(horizon_cosine(eye_height())), latitude = asin(clamp(c, -1.0, 1.0));
+    float horizon = light.horizon, latitude = asin(clamp(c, -1.0, 1.0));
     float half_rows = float(rows / 2), dipping = dipping_rows(horizon, half_rows);
     float row;
     if (to_ground) {
@@ -137,7 +137,7 @@ float latitude_row(float c, bool to_ground, int rows) {
 
 // The inverse, for the centre of a row.
 float row_cosine(int row, int rows, out bool to_ground) {
-    float horizon = asin(horizon_cosine(eye_height()));
+    float horizon = light.horizon;
     float half_rows = float(rows / 2), above = float(row) - half_rows, dipping = dipping_rows(horizon, half_rows);
     to_ground = above < 0.0;
     float share = float(row) / (half_rows - 1.0);
@@ -155,15 +155,5 @@ float unspread(float x) { return x < 0.5 ? 2.0 * x * x : 1.0 - 2.0 * (1.0 - x) *
 // Where along a ray scattered light is kept: by distance and by opacity in equal parts. By opacity alone it would be best for rays in
 // daylight, but the light at the end of a long ray through the Earth's shadow would fall between the last two places.
 float ray_part(float share, float opacity_share) { return 0.5 * (spread(share) + opacity_share); }
-
-vec3 eye_vertical() { return normalize(light.camera); }
-
-// Horizontally towards the sun from the eye; any horizontal direction where the sun is overhead.
-vec3 sunward() {
-    vec3 up = eye_vertical();
-    vec3 aside = light.sun - up * dot(light.sun, up);
-    if (dot(aside, aside) > 1e-9) return normalize(aside);
-    return normalize(cross(up, abs(up.x) < 0.5 ? vec3(1, 0, 0) : vec3(0, 1, 0)));
-}
 
 #endif

@@ -22,15 +22,16 @@ struct Way {
     vec2 place;
 };
 
+// By the cosine: what is the same to the left and to the right is smooth in it, and it is finest across, where terminators lie.
 float azimuth_column(vec3 ray, vec3 up, vec3 towards, int columns_count) {
     vec3 along = ray - up * dot(ray, up);
     float cosine = dot(along, towards) * inversesqrt(max(dot(along, along), 1e-20));
-    return (0.5 + acos(clamp(cosine, -1.0, 1.0)) / PI * float(columns_count - 1)) / float(columns_count);
+    return (0.5 + (0.5 - 0.5 * clamp(cosine, -1.0, 1.0)) * float(columns_count - 1)) / float(columns_count);
 }
 
 // False if the ray passes the air.
 bool find_way(vec3 ray, out Way way) {
-    vec3 up = eye_vertical();
+    vec3 up = light.vertical;
     float height = eye_height(), c = dot(ray, up);
     way.start = 0.0;
     if (is_outside()) {
@@ -40,10 +41,10 @@ bool find_way(vec3 ray, out Way way) {
         way.start = hits.x;
         c = -sqrt(max((1.0 - aside) * (1.0 + aside), 0.0));
     }
-    bool to_ground = c < horizon_cosine(height);
+    bool to_ground = c < sin(light.horizon);
     ivec2 size = textureSize(scattered_table, 0).xy;
     way.whole = max(way_length(height, c, to_ground), 1e-3);
-    way.place = vec2(azimuth_column(ray, up, sunward(), size.x), latitude_row(c, to_ground, size.y));
+    way.place = vec2(azimuth_column(ray, up, light.sunward, size.x), latitude_row(c, to_ground, size.y));
     return true;
 }
 

@@ -78,12 +78,17 @@ struct Shading {
     float air_bottom;
     vec3 deep;
     float air_top;
+    vec3 vertical;
+    float horizon;
+    vec3 sunward;
     vec2 size;
     vec4 window;
     float ground_albedo;
     float exposure;
     float adaptation;
     float time;
+    vec3 anchor;
+    float sea_variance;
 };
 
 struct EmitState {
@@ -113,5 +118,7 @@ const uint TEXTURE_GUTTER = 4u;
 const uint WAKE_ALWAYS = 65535u;
 const float NO_SEA = -1e30;
 const float SHORE_RANGE = 400.0;
+const float REPEAT_M = 1024.0;
+const float WAVE_COPIES[3] = float[](3.0, 19.0, 151.0);
 
 #endif

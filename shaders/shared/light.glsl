@@ -21,7 +21,7 @@ bool is_diagram() { return light.mode == MODE_NORMALS || light.mode == MODE_ALBE
 vec2 through_shell(vec3 ray, float above) {
     float r = light.radius + light.altitude;
     float shell = light.radius + above;
-    float b = dot(ray, normalize(light.camera)) * r;
+    float b = dot(ray, light.vertical) * r;
     // r² - shell², without the cancellation.
     float c = (light.altitude - above) * (r + shell);
     float discriminant = b * b - c;
@@ -48,6 +48,11 @@ float distance_to_sea(vec3 ray) {
 vec3 view_ray(vec2 uv) {
     vec2 screen = (light.window.xy + uv * light.window.zw) / light.size * 2.0 - 1.0;
     return light.forward + light.right * screen.x - light.up * screen.y;
+}
+
+// Where a place of the picture lies in the window; both from -1 to 1, y down.
+vec2 in_window(vec2 screen) {
+    return ((screen * 0.5 + 0.5) * light.size - light.window.xy) / light.window.zw * 2.0 - 1.0;
 }
 
 #endif

@@ -3,21 +3,20 @@
 #ifndef TERRANE_MIRRORED_SKY
 #define TERRANE_MIRRORED_SKY
 #include "eye_air.glsl"
-#include "skylight.glsl"
 
-// Radiance of the sky of a place from an upward direction, without the sun's disc. `up` is the place's vertical, `height` its height above
-// the datum, `elevation` the sine of the sun's elevation there. For eyes low in the air it is the eye's sky turned to the place's
+// Radiance of the sky of a place from an upward direction, without the sun's disc. `up` is the place's vertical, `irradiance` that
+// of the sky there (skylight.glsl). For eyes low in the air it is the eye's sky turned to the place's
 // vertical; from higher up, where that is darker than the place's, a gradient with the brightness of the place's sky.
-vec3 mirrored_sky(vec3 direction, vec3 up, float height, float elevation) {
+vec3 mirrored_sky(vec3 direction, vec3 up, vec3 irradiance) {
     float low = has_air() ? 1.0 - smoothstep(0.25, 1.0, light.altitude / light.scale_height) : 0.0;
     vec3 seen = vec3(0.0);
     if (low > 0.0) {
-        seen = sky_radiance(normalize(direction + cross(cross(up, eye_vertical()), direction)));
+        seen = sky_radiance(normalize(direction + cross(cross(up, light.vertical), direction)));
         if (low >= 1.0) return seen;
     }
     float towards_zenith = pow(max(dot(direction, up), 0.0), 0.4);
     vec3 shape = mix(vec3(1.6, 1.45, 1.3), vec3(0.65, 0.75, 0.85), towards_zenith);
-    return mix(sky_irradiance(height, elevation) / PI * shape, seen, low);
+    return mix(irradiance / PI * shape, seen, low);
 }
 
 #endif

@@ -19,6 +19,8 @@ use winit::window::Window;
 const LONGEST_FRAME: f64 = 0.25;
 /// Radians that the sun moves along its daily course with each key press.
 const SUN_STEP: f64 = 0.05;
+/// Seconds in which exposure goes most of the way to its goal.
+const ADAPTATION_SECONDS: f64 = 0.6;
 /// Windows at least this wide have text of twice the size.
 const WIDE: u32 = 1000;
 
@@ -155,6 +157,9 @@ impl Flight {
             self.overlay.count_frame(seconds);
         } else {
             self.begun = Some(now);
+        }
+        if let Some(share) = &mut self.look.metering {
+            *share = (1.0 - (-seconds / ADAPTATION_SECONDS).exp()) as f32;
         }
         self.uploads = uploads_within(seconds);
         seconds.min(LONGEST_FRAME)

@@ -17,13 +17,13 @@ use terrane_planet::layout::Shading;
 /// Transmittance: directions and heights.
 const TRANSMITTANCE: (u32, u32) = (256, 64);
 /// Multiple scattering and irradiance: elevations of the sun and heights.
-const BY_SUN: (u32, u32) = (64, 32);
+const BY_SUN: (u32, u32) = (64, 16);
 /// Latitudes of the eye's rays, half of them below the horizon.
-const LATITUDES: u32 = 192;
+const LATITUDES: u32 = 176;
 /// Azimuths from the sun's to the opposite one; the other half of the sky is the mirror image.
 const AZIMUTHS: u32 = 64;
 /// Shares of the way at which optical depths are kept.
-const SHARES: u32 = 64;
+const SHARES: u32 = 48;
 /// Parts of a ray at which scattered light is kept.
 const SLICES: u32 = 16;
 /// Points of a ray at which scattering is sampled: four to a slice.

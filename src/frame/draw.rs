@@ -4,6 +4,7 @@
 use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
+use super::tiles::Tiles;
 use crate::scene::TexturePool;
 use crate::shaders;
 use crate::vulkan::{
@@ -26,13 +27,15 @@ pub(super) struct Draw {
 
 impl Draw {
     /// Builds the pipelines.
-    pub(super) fn new(context: &Arc<Context>) -> Result<Draw> {
+    pub(super) fn new(context: &Arc<Context>, samples: u32) -> Result<Draw> {
         let formats = [SCENE_FORMAT];
         let mut description = GraphicsDescription::new(shaders::DRAW_VERT, Some(shaders::DRAW_FRAG), &formats);
         description.depth_format = Some(DEPTH_FORMAT);
         description.depth = Some(DepthTest { compare: vk::CompareOp::GREATER_OR_EQUAL, write: true });
         description.cull = vk::CullModeFlags::BACK;
+        description.samples = samples;
         let fill = GraphicsPipeline::new(context, "draw", &description)?;
+        description.samples = 1;
         description.fragment = Some(shaders::WIRE_FRAG);
         description.polygon = vk::PolygonMode::LINE;
         description.depth = Some(DepthTest { compare: vk::CompareOp::GREATER_OR_EQUAL, write: false });
@@ -43,7 +46,7 @@ impl Draw {
         Ok(Draw { fill, lines })
     }
 
-    /// Records the stage: fills `targets.ground` and `targets.depth`.
+    /// Records the stage: fills `targets.ground` and `targets.depth`, or their samples.
     pub(super) fn record(
         &self,
         commands: &mut Commands,
@@ -51,10 +54,12 @@ impl Draw {
         textures: &TexturePool,
         targets: &Targets,
         air: &Air,
+        tiles: &Tiles,
     ) -> Result<()> {
+        let (ground, depth) = targets.drawn();
         commands.begin_rendering(
-            &[ColorTarget { view: targets.ground.view(), clear: Some([0.0; 4]) }],
-            Some(DepthTarget { view: targets.depth.view(), clear: Some(0.0) }),
+            &[ColorTarget { view: ground, clear: Some([0.0; 4]) }],
+            Some(DepthTarget { view: depth, clear: Some(0.0) }),
         )?;
         let geometry = geometry(buffers);
         let shading = [
@@ -62,6 +67,7 @@ impl Draw {
             ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
             ("albedo", Resource::Sampled(textures.albedo.view(), &textures.sampler)),
             ("relief", Resource::Sampled(textures.relief.view(), &textures.sampler)),
+            tiles.grain(),
         ];
         commands.bind(&self.fill, &[geometry.as_slice(), &shading, &air.light()].concat())?;
         commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;

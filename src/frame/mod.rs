@@ -5,7 +5,9 @@
 mod air;
 mod buffers;
 mod draw;
+mod edges;
 mod emit;
+mod meter;
 mod ocean;
 #[cfg(feature = "app")]
 mod overlay;
@@ -13,8 +15,10 @@ mod resolve;
 mod select;
 mod shading;
 mod sky;
+mod stars;
 mod tables;
 mod targets;
+mod tiles;
 mod tonemap;
 
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
@@ -25,22 +29,28 @@ pub use tables::FrameTables;
 pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
 
 use crate::scene::Scene;
-use crate::vulkan::{vk, Access, Commands, Context, ImageView, Result};
+use crate::vulkan::{vk, Access, Buffer, Commands, Context, ImageView, Result};
 use air::Air;
 use draw::Draw;
+use edges::Edges;
 use emit::Emit;
+use meter::Meter;
 use ocean::Ocean;
 use resolve::Resolve;
 use select::Select;
 use sky::Sky;
+use stars::Stars;
 use std::sync::Arc;
 use terrane_planet::layout::{EmitState, FrameView, Mode, Shading};
 use terrane_planet::reference::cut::Cut;
 use terrane_planet::view::View;
+use tiles::Tiles;
 use tonemap::Tonemap;
 
-/// Names of the GPU zones of a frame, in order (`air tables` only where the medium is new, `lines` only in wire mode).
-pub const STAGES: [&str; 10] = ["select", "resolve", "emit", "air tables", "air", "draw", "ocean", "lines", "sky", "tonemap"];
+/// Names of the GPU zones of a frame, in order (`air tables` only where the medium is new, `lines` only in wire
+/// mode, `meter` only where exposure is metered).
+pub const STAGES: [&str; 13] =
+    ["select", "resolve", "emit", "air tables", "air", "draw", "edges", "ocean", "lines", "sky", "stars", "meter", "tonemap"];
 
 /// How many of them, from the first, make the mesh.
 pub const MESH_STAGES: usize = 3;
@@ -52,9 +62,17 @@ pub struct Renderer {
     emit: Emit,
     air: Air,
     draw: Draw,
+    edges: Edges,
     ocean: Ocean,
     sky: Sky,
+    stars: Stars,
+    meter: Meter,
+    /// Whether stars are drawn where there is nothing else.
+    pub starry: bool,
+    /// Whether the meter has been read before.
+    metered: bool,
     tonemap: Tonemap,
+    tiles: Tiles,
     context: Arc<Context>,
     /// Of the frame that was prepared last.
     shading: Shading,
@@ -66,18 +84,25 @@ pub struct Renderer {
 impl Renderer {
     /// Builds everything for pictures of a size and format.
     pub fn new(context: &Arc<Context>, size: (u32, u32), format: vk::Format) -> Result<Renderer> {
+        let samples = context.samples();
         Ok(Renderer {
             select: Select::new(context)?,
             resolve: Resolve::new(context)?,
             emit: Emit::new(context)?,
             air: Air::new(context)?,
-            draw: Draw::new(context)?,
+            draw: Draw::new(context, samples)?,
+            edges: Edges::new(context, samples)?,
             ocean: Ocean::new(context)?,
             sky: Sky::new(context)?,
+            stars: Stars::new(context)?,
+            meter: Meter::new(context)?,
+            starry: true,
+            metered: false,
             tonemap: Tonemap::new(context, format)?,
+            tiles: Tiles::new(context)?,
             context: context.clone(),
             shading: Shading::default(),
-            targets: Targets::new(context, size)?,
+            targets: Targets::new(context, size, samples)?,
             buffers: FrameBuffers::new(context)?,
         })
     }
@@ -85,7 +110,7 @@ impl Renderer {
     /// Follows a change of picture size.
     pub fn resize(&mut self, size: (u32, u32)) -> Result<()> {
         if self.targets.size != size {
-            self.targets = Targets::new(&self.context, size)?;
+            self.targets = Targets::new(&self.context, size, self.context.samples())?;
         }
         Ok(())
     }
@@ -93,7 +118,7 @@ impl Renderer {
     /// Prepares the tables of the next frame and hands them to the GPU. `whole` draws patches out of sight too.
     pub fn prepare(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look, whole: bool) -> Result<FrameTables> {
         let tables = FrameTables::new(scene, view, cut, whole);
-        self.shading = lit(scene, view, look);
+        self.shading = self.lit(scene, view, look);
         self.buffers.write(&tables, &view.gpu, &self.shading)?;
         Ok(tables)
     }
@@ -101,7 +126,7 @@ impl Renderer {
     /// Prepares another picture of a mesh that is selected and emitted already, from wherever `view` is. `tables` are those of the
     /// frame before, and the scene must not have been updated since.
     pub fn prepare_again(&mut self, scene: &Scene, view: &View, tables: &FrameTables, look: &Look) -> Result<()> {
-        self.shading = lit(scene, view, look);
+        self.shading = self.lit(scene, view, look);
         let shift = (tables.eye - view.eye).as_vec3().to_array();
         self.buffers.write(tables, &FrameView { shift, ..view.gpu }, &self.shading)
     }
@@ -151,10 +176,24 @@ impl Renderer {
             commands.transition(color, Access::Undefined, Access::ColorTarget)?;
         }
         commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
-        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets, air_tables))?;
+        if let Some(samples) = &targets.samples {
+            commands.transition(samples.ground.view(), Access::Undefined, Access::ColorTarget)?;
+            commands.transition(samples.depth.view(), Access::Undefined, Access::DepthTarget)?;
+        }
+        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets, air_tables, &self.tiles))?;
+        let edges = targets.edges.view();
+        commands.transition(edges, Access::Undefined, Access::ColorTarget)?;
+        if let Some(samples) = &targets.samples {
+            commands.transition(samples.depth.view(), Access::DepthTarget, Access::Sampled)?;
+            commands.transition(samples.ground.view(), Access::ColorTarget, Access::Sampled)?;
+            commands.zone("edges", |c| self.edges.record(c, targets))?;
+        } else {
+            targets.clear_edges(commands)?;
+        }
+        commands.transition(edges, Access::ColorTarget, Access::Sampled)?;
         commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets, air_tables))?;
+        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets, air_tables, &self.tiles))?;
         if look.mode == Mode::Wire {
             commands.transition(depth, Access::Sampled, Access::DepthTarget)?;
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
@@ -163,13 +202,40 @@ impl Renderer {
         }
         commands.transition(water, Access::ColorTarget, Access::Sampled)?;
         commands.zone("sky", |c| self.sky.record(c, &self.buffers, targets, air_tables))?;
+        if self.starry && !look.mode.is_diagram() {
+            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
+            commands.zone("stars", |c| self.stars.record(c, &self.buffers, targets, air_tables))?;
+        }
         commands.transition(air, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, &self.targets, picture))
+        if look.metering.is_some() {
+            commands.zone("meter", |c| self.meter.record(c, &self.buffers, targets))?;
+            self.metered = true;
+        }
+        commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, targets, &self.meter, picture))
+    }
+
+    /// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
+    fn lit(&self, scene: &Scene, view: &View, look: &Look) -> Shading {
+        let planet = scene.planet();
+        let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, view, look);
+        if scene.ground().buries(view.camera.position) {
+            shading.exposure = 0.0;
+        }
+        // The first reading has nothing to adapt from.
+        if look.metering.is_some() && !self.metered {
+            shading.adaptation = 1.0;
+        }
+        shading
     }
 
     /// The shading block of the frame that was prepared last.
     pub fn shading(&self) -> &Shading {
         &self.shading
+    }
+
+    /// What the meter said last: a factor on exposure. Wait for the frame first.
+    pub(crate) fn metered_factor(&self) -> &Buffer {
+        self.meter.factor()
     }
 
     /// Counters of the latest frame; wait for it first.
@@ -181,16 +247,6 @@ impl Renderer {
     pub fn earlier_counters(&self) -> Result<EmitState> {
         self.buffers.earlier_counters()
     }
-}
-
-/// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
-fn lit(scene: &Scene, view: &View, look: &Look) -> Shading {
-    let planet = scene.planet();
-    let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, view, look);
-    if scene.ground().buries(view.camera.position) {
-        shading.exposure = 0.0;
-    }
-    shading
 }
 
 /// Keeps the drawn patches on the GPU until the commands are done.

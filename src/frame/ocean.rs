@@ -3,6 +3,7 @@
 use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
+use super::tiles::Tiles;
 use crate::shaders;
 use crate::vulkan::{ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
@@ -21,12 +22,20 @@ impl Ocean {
     }
 
     /// Records the stage: reads `targets.ground` and `targets.depth`, fills `targets.water`.
-    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, air: &Air) -> Result<()> {
+    pub(super) fn record(
+        &self,
+        commands: &mut Commands,
+        buffers: &FrameBuffers,
+        targets: &Targets,
+        air: &Air,
+        tiles: &Tiles,
+    ) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: targets.water.view(), clear: Some([0.0; 4]) }], None)?;
         let own = [
             ("Light", Resource::Storage(buffers.shading())),
             ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
             ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
+            tiles.waves(),
         ];
         commands.bind(&self.pipeline, &[own.as_slice(), &air.light(), &air.eye()].concat())?;
         commands.draw(3, 1)?;

@@ -4,6 +4,7 @@ use glam::DVec3;
 use terrane_planet::layout::{Mode, Shading, NO_SEA};
 use terrane_planet::recipe::{Atmosphere, Recipe};
 use terrane_planet::view::{local_frame, View};
+use terrane_planet::waves::{total_variance, REPEAT_M};
 
 /// Scale heights of air above the datum that are worth drawing: what is above would be less than a step of 8 bits at the limb.
 const AIR_SCALE_HEIGHTS: f64 = 12.0;
@@ -18,8 +19,10 @@ pub struct Look {
     pub mode: Mode,
     /// Unit vector towards the sun, planet-fixed.
     pub sun: DVec3,
-    /// Factor from radiance to display.
+    /// Factor from radiance to display; where exposure is metered, a factor on what the meter says.
     pub exposure: f32,
+    /// How far metered exposure goes to its goal in this frame, from 0 to 1; none where exposure is fixed.
+    pub metering: Option<f32>,
 }
 
 /// Factor from radiance to display for pictures in daylight.
@@ -38,6 +41,8 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
     let (h, v) = camera.half_extents();
     let vector = |d: DVec3| d.as_vec3().to_array();
     let colour = |c: [f64; 3]| c.map(|x| x as f32);
+    let frame = local_frame(camera.position);
+    let sunward = look.sun.reject_from_normalized(frame.z_axis).try_normalize().unwrap_or(frame.x_axis);
     let mut shading = Shading {
         // The shaders divide by its length.
         camera: vector(if camera.position.length() < 1.0 { local_frame(camera.position).z_axis } else { camera.position }),
@@ -50,9 +55,13 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
         sea_level: NO_SEA,
         forward: vector(camera.forward),
         exposure: look.exposure,
-        adaptation: -1.0,
+        vertical: vector(frame.z_axis),
+        sunward: vector(sunward),
+        adaptation: look.metering.unwrap_or(-1.0),
         size: camera.size.map(|s| s as f32),
         window: [left, top, width, height].map(|s| s as f32),
+        anchor: camera.position.to_array().map(|x| x.rem_euclid(REPEAT_M) as f32),
+        sea_variance: total_variance() as f32,
         ..Shading::default()
     };
     if let Some(sea) = &recipe.sea {
@@ -83,4 +92,8 @@ fn add_air(shading: &mut Shading, air: &Atmosphere, lowest: f64) {
     shading.air_bottom = sea.max(-DEEPEST_SCALE_HEIGHTS * air.scale_height_m) as f32;
     shading.air_top = (AIR_SCALE_HEIGHTS * air.scale_height_m.max(air.mie_scale_height_m)).max(ozone_top) as f32;
     shading.ground_albedo = air.ground_albedo as f32;
+    let (bottom, top) = (f64::from(shading.air_bottom), f64::from(shading.air_top));
+    let eye = f64::from(shading.altitude).clamp(bottom, top) - bottom;
+    let lowest = f64::from(shading.radius) + bottom;
+    shading.horizon = -((eye * (2.0 * lowest + eye)).sqrt() / (lowest + eye)).asin() as f32;
 }

@@ -1,6 +1,8 @@
 //! The images that a frame is drawn into.
 
-use crate::vulkan::{vk, Context, Image, ImageDescription, Result, Sampler, SamplerDescription};
+use crate::vulkan::{
+    vk, ColorTarget, Commands, Context, Image, ImageDescription, ImageView, Result, Sampler, SamplerDescription,
+};
 use std::sync::Arc;
 
 /// Format of radiance.
@@ -8,12 +10,27 @@ pub const SCENE_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Format of reversed-Z depth: near / distance along the view axis, 0 at infinity.
 pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
+/// Format of notes on edges.
+pub(super) const EDGE_FORMAT: vk::Format = vk::Format::R8_UNORM;
+
+/// What the ground is drawn into with several samples a pixel.
+pub struct Samples {
+    /// As [`Targets::ground`].
+    pub ground: Image,
+    /// As [`Targets::depth`].
+    pub depth: Image,
+}
+
 /// Colour and depth targets of one picture size.
 pub struct Targets {
     /// Lit ground; alpha is its height above the sea in metres.
     pub ground: Image,
     /// Depth of the ground.
     pub depth: Image,
+    /// The samples of both, where there are several.
+    pub samples: Option<Samples>,
+    /// Pixels that are part of another surface, too; black without samples.
+    pub edges: Image,
     /// Ground and sea.
     pub water: Image,
     /// Ground, sea and air.
@@ -26,18 +43,43 @@ pub struct Targets {
 
 impl Targets {
     /// Creates the targets.
-    pub fn new(context: &Arc<Context>, size: (u32, u32)) -> Result<Targets> {
+    pub fn new(context: &Arc<Context>, size: (u32, u32), samples: u32) -> Result<Targets> {
         let color = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
         let depth = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
         let image = |name, format, usage| Image::new(context, &ImageDescription::new(name, size, format, usage));
+        let several = |name, format, usage| {
+            Image::new(context, &ImageDescription { samples, ..ImageDescription::new(name, size, format, usage) })
+        };
+        let samples = if samples > 1 {
+            let ground = several("ground samples", SCENE_FORMAT, color)?;
+            Some(Samples { ground, depth: several("depth samples", DEPTH_FORMAT, depth)? })
+        } else {
+            None
+        };
         let nearest = SamplerDescription { filter: vk::Filter::NEAREST, ..SamplerDescription::default() };
         Ok(Targets {
             ground: image("ground", SCENE_FORMAT, color)?,
             depth: image("depth", DEPTH_FORMAT, depth)?,
+            samples,
+            edges: image("edges", EDGE_FORMAT, color)?,
             water: image("water", SCENE_FORMAT, color)?,
             scene: image("scene", SCENE_FORMAT, color)?,
             nearest: Sampler::new(context, "nearest", &nearest)?,
             size,
         })
+    }
+
+    /// What the ground is drawn into: colour and depth.
+    pub(super) fn drawn(&self) -> (&ImageView, &ImageView) {
+        match &self.samples {
+            Some(samples) => (samples.ground.view(), samples.depth.view()),
+            None => (self.ground.view(), self.depth.view()),
+        }
+    }
+
+    /// No edges: in place of the stage that notes them.
+    pub(super) fn clear_edges(&self, commands: &mut Commands) -> Result<()> {
+        commands.begin_rendering(&[ColorTarget { view: self.edges.view(), clear: Some([0.0; 4]) }], None)?;
+        commands.end_rendering()
     }
 }

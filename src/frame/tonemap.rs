@@ -1,6 +1,7 @@
 //! Stage `tonemap`: from radiance to 8 bits a channel. Shader: `tonemap.frag`.
 
 use super::buffers::FrameBuffers;
+use super::meter::Meter;
 use super::targets::Targets;
 use crate::shaders;
 use crate::vulkan::{vk, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Resource, Result};
@@ -25,6 +26,7 @@ impl Tonemap {
         commands: &mut Commands,
         buffers: &FrameBuffers,
         targets: &Targets,
+        meter: &Meter,
         picture: &ImageView,
     ) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: picture, clear: Some([0.0; 4]) }], None)?;
@@ -32,7 +34,9 @@ impl Tonemap {
             &self.pipeline,
             &[
                 ("Light", Resource::Storage(buffers.shading())),
+                ("Exposure", Resource::Storage(meter.factor())),
                 ("scene", Resource::Sampled(targets.scene.view(), &targets.nearest)),
+                ("edges", Resource::Sampled(targets.edges.view(), &targets.nearest)),
             ],
         )?;
         commands.draw(3, 1)?;

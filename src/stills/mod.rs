@@ -27,6 +27,9 @@ pub const TILE_RANGE: (u32, u32) = (64, 8192);
 /// Samples a pixel in each direction, at most.
 pub const MOST_SSAA: u32 = 4;
 
+/// Most pixels a side of the picture that exposure is metered in before one is drawn by tiles.
+const METERED_SIDE: u32 = 1024;
+
 /// What the pixels of a picture are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PixelFormat {
@@ -77,6 +80,8 @@ pub struct Still {
 /// Draws pictures of one size, one after the other.
 pub struct Studio {
     headless: Headless,
+    /// Width and height of what is drawn at once, in samples.
+    raster: (u32, u32),
     windows: Vec<Window>,
     size: [u32; 2],
     options: StillOptions,
@@ -92,7 +97,9 @@ impl Studio {
         };
         let windows = tiles::windows(size, options.ssaa, options.tile);
         let [width, height] = windows[0].size.map(|side| side * options.ssaa);
-        Ok(Studio { headless: Headless::new(context, (width, height))?, windows, size, options })
+        let mut headless = Headless::new(context, (width, height))?;
+        headless.renderer.starry = !options.transparent;
+        Ok(Studio { headless, raster: (width, height), windows, size, options })
     }
 
     /// Draws a picture of a view of this size. `progress` is told how many tiles of how many are done.
@@ -111,6 +118,7 @@ impl Studio {
             PixelFormat::Radiance => Pixels::Radiance(vec![f16::ZERO; count]),
         };
         let whole = self.windows.len() == 1;
+        let look = &if whole { *look } else { self.metered(scene, view, cut, look)? };
         let mut report = match whole {
             true => self.headless.render(scene, view, cut, look)?,
             false => self.headless.select_seen(scene, view, cut, look)?,
@@ -126,8 +134,22 @@ impl Studio {
             self.take(window, look, &mut pixels)?;
             progress(done + 1, self.windows.len());
         }
-        let exposure = self.headless.shading().exposure;
+        let exposure = self.headless.exposure()?;
         Ok(Still { size: self.size, pixels, exposure, report, dropped_triangles, tiles: self.windows.len() })
+    }
+
+    /// The look with its exposure fixed at what a small picture of the whole view asks for: tiles metered by themselves would differ.
+    fn metered(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<Look, SceneError> {
+        if look.metering.is_none() {
+            return Ok(*look);
+        }
+        let larger = self.size[0].max(self.size[1]).div_ceil(METERED_SIDE);
+        let [width, height] = self.size.map(|side| side.div_ceil(larger));
+        self.headless.resize((width, height))?;
+        self.headless.render(scene, view, cut, look)?;
+        let exposure = self.headless.exposure()?;
+        self.headless.resize(self.raster)?;
+        Ok(Look { exposure, metering: None, ..*look })
     }
 
     /// Fills a window's pixels from what was drawn last.
@@ -137,7 +159,7 @@ impl Studio {
             // What windows show.
             Pixels::Eight(all) if ssaa == 1 && !transparent => place(&self.headless.pixels()?, window, all, self.size),
             _ => {
-                let exposure = self.headless.shading().exposure;
+                let exposure = self.headless.exposure()?;
                 let developer = Developer { mode: look.mode, exposure, ssaa, transparent, picture: self.size };
                 developer.develop(&self.headless.radiance()?, window, pixels);
             }

@@ -8,7 +8,7 @@ use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
 use super::error::{api, Result};
 use super::features::{Extras, Features};
-use super::gpu::{choose, Gpu, GpuChoice, GpuInfo};
+use super::gpu::{choose, Gpu, GpuChoice, GpuInfo, GpuKind};
 use super::instance::Instance;
 use super::memory::allocation_error;
 use super::messages::{MessageLog, ValidationMessage};
@@ -21,10 +21,17 @@ pub struct ContextOptions {
     pub gpu: GpuChoice,
     /// Whether to load the validation layer, with synchronization validation, and collect its messages.
     pub validation: bool,
+    /// Samples a pixel for the ground's edges: 1, 2, 4 or 8, or fewer where the device has no more. `None` is 4, and 1
+    /// on software renderers, which pay for every sample.
+    pub samples: Option<u32>,
 }
+
+/// Samples a pixel, unless told otherwise.
+const DEFAULT_SAMPLES: u32 = 4;
 
 /// A Vulkan device with one queue; shared by everything that is created on it.
 pub struct Context {
+    samples: u32,
     // Dropped by hand, before the device.
     allocator: ManuallyDrop<Mutex<Allocator>>,
     push_descriptor: khr::push_descriptor::Device,
@@ -71,6 +78,12 @@ impl Context {
         // SAFETY: the family was enabled with one queue.
         let queue = unsafe { device.get_device_queue(gpu.queue_family, 0) };
         let debug = instance.debug_utils.then(|| ext::debug_utils::Device::new(&instance.handle, &device));
+        let usual = if gpu.info.kind == GpuKind::Cpu { 1 } else { DEFAULT_SAMPLES };
+        let wanted = options.samples.unwrap_or(usual);
+        let samples = wanted.min(most_samples(&gpu.limits));
+        if samples < wanted {
+            tracing::warn!(wanted, samples, "the device has fewer samples a pixel than asked for");
+        }
         tracing::info!(gpu = %gpu.info.name, driver = %gpu.info.driver_info, "Vulkan device");
         Ok(Arc::new(Self {
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
@@ -78,6 +91,7 @@ impl Context {
             debug,
             device,
             queue: Mutex::new(queue),
+            samples,
             gpu,
             instance,
         }))
@@ -86,6 +100,16 @@ impl Context {
     /// The GPU and its driver.
     pub fn device_info(&self) -> &GpuInfo {
         &self.gpu.info
+    }
+
+    /// Samples a pixel that pictures are drawn with.
+    pub fn samples(&self) -> u32 {
+        self.samples
+    }
+
+    /// Most samples that colour and depth targets can have.
+    pub fn most_samples(&self) -> u32 {
+        most_samples(&self.gpu.limits)
     }
 
     /// The limits of the device.
@@ -195,4 +219,13 @@ fn create_allocator(instance: &Instance, gpu: &Gpu, device: &ash::Device) -> Res
         allocation_sizes: gpu_allocator::AllocationSizes::default(),
     })
     .map_err(|error| allocation_error("the allocator", 0, &error))
+}
+
+/// Most samples that colour and depth targets, drawn to and then sampled, can have.
+fn most_samples(limits: &vk::PhysicalDeviceLimits) -> u32 {
+    let both = limits.framebuffer_color_sample_counts
+        & limits.framebuffer_depth_sample_counts
+        & limits.sampled_image_color_sample_counts
+        & limits.sampled_image_depth_sample_counts;
+    1 << (u32::BITS - 1 - (both.as_raw() | 1).leading_zeros())
 }

@@ -54,6 +54,8 @@ pub struct GraphicsDescription<'a> {
     pub front: vk::FrontFace,
     /// The same for all colour targets.
     pub blend: Blend,
+    /// Samples of the targets.
+    pub samples: u32,
     /// Triangle list unless set.
     pub topology: vk::PrimitiveTopology,
     /// Specialization constants (id, value) of both shaders.
@@ -73,6 +75,7 @@ impl<'a> GraphicsDescription<'a> {
             cull: vk::CullModeFlags::NONE,
             front: vk::FrontFace::COUNTER_CLOCKWISE,
             blend: Blend::Replace,
+            samples: 1,
             topology: vk::PrimitiveTopology::TRIANGLE_LIST,
             specialization: &[],
         }
@@ -139,7 +142,8 @@ fn create(
     let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(description.topology);
     let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
     let raster = rasterization(description);
-    let samples = vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+    let samples = vk::PipelineMultisampleStateCreateInfo::default()
+        .rasterization_samples(vk::SampleCountFlags::from_raw(description.samples));
     let depth = depth_state(description.depth);
     let attachments = vec![blend_state(description.blend); description.color_formats.len()];
     let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&attachments);

@@ -24,6 +24,8 @@ pub struct ImageDescription<'a> {
     pub array: bool,
     /// Mip levels, 1 or more.
     pub mips: u32,
+    /// Samples a texel, 1 or what [`Context::most_samples`] allows.
+    pub samples: u32,
     /// Texel format.
     pub format: vk::Format,
     /// Uses, to which copying from and to is added.
@@ -34,7 +36,7 @@ impl<'a> ImageDescription<'a> {
     /// A plain 2D image with one layer and one level.
     pub fn new(name: &'a str, size: (u32, u32), format: vk::Format, usage: vk::ImageUsageFlags) -> Self {
         let (width, height) = size;
-        Self { name, width, height, layers: 1, array: false, mips: 1, format, usage }
+        Self { name, width, height, layers: 1, array: false, mips: 1, samples: 1, format, usage }
     }
 }
 
@@ -83,7 +85,7 @@ impl Image {
             .extent(vk::Extent3D { width, height, depth: 1 })
             .mip_levels(mips)
             .array_layers(layers)
-            .samples(vk::SampleCountFlags::TYPE_1)
+            .samples(vk::SampleCountFlags::from_raw(description.samples))
             .tiling(vk::ImageTiling::OPTIMAL)
             .usage(description.usage | transfer);
         // SAFETY: the device is alive, the sizes are within its limits.
@@ -275,6 +277,8 @@ fn check_limits(context: &Context, description: &ImageDescription<'_>) -> Result
         format!("{} layers; there can be 1 to {limit}", description.layers)
     } else if !(1..=levels).contains(&description.mips) {
         format!("{} mip levels; there can be 1 to {levels}", description.mips)
+    } else if !description.samples.is_power_of_two() || description.samples > context.most_samples() {
+        format!("{} samples a texel; there can be 1, 2, 4 and so on up to {}", description.samples, context.most_samples())
     } else {
         return Ok(());
     };

@@ -17,7 +17,7 @@ const SIZE: [u32; 2] = [96, 54];
 /// Largest difference that passes, in steps of 1/255.
 const LARGEST: f64 = 2.0;
 /// Pixels compared in each picture.
-const SAMPLES: usize = 24;
+const SAMPLES: usize = 48;
 
 /// A view: metres above sea level, pitch, vertical field of view in degrees, and the sun's azimuth and elevation. All look north-east.
 type Stand = (f64, f64, f64, [f64; 2]);
@@ -83,7 +83,7 @@ impl Studio {
         let view = View::new(camera, self.scene.lattice(), planet.cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();
         let sun = sun_over(place, azimuth, elevation);
-        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT };
+        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None };
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
         Picture {
             camera,
@@ -149,23 +149,23 @@ impl Picture {
 /// Twin of `tonemap.frag`, without the dither.
 fn displayed(colour: DVec3) -> DVec3 {
     let mixed = DVec3::new(
-        0.842479062 * colour.x + 0.0784336 * colour.y + 0.079223745 * colour.z,
-        0.042328242 * colour.x + 0.878468636 * colour.y + 0.079166127 * colour.z,
-        0.042375655 * colour.x + 0.0784336 * colour.y + 0.879142974 * colour.z,
+        0.936992 * colour.x + 0.031373 * colour.y + 0.031689 * colour.z,
+        0.016931 * colour.x + 0.951387 * colour.y + 0.031666 * colour.z,
+        0.016950 * colour.x + 0.031373 * colour.y + 0.951657 * colour.z,
     );
     let curve = |c: f64| {
         let x = ((c.max(1e-10).log2() + 12.47393) / 16.499999).clamp(0.0, 1.0);
         let y =
             15.5 * x.powi(6) - 40.14 * x.powi(5) + 31.96 * x.powi(4) - 6.868 * x.powi(3) + 0.4298 * x * x + 0.1191 * x - 0.00232;
-        y.max(0.0).powf(1.2)
+        y.max(0.0).powf(1.3)
     };
     let x = DVec3::new(curve(mixed.x), curve(mixed.y), curve(mixed.z));
     let grey = x.dot(DVec3::new(0.2126, 0.7152, 0.0722));
-    let x = DVec3::splat(grey) + 1.3 * (x - grey);
+    let x = DVec3::splat(grey) + 1.25 * (x - grey);
     DVec3::new(
-        1.196879005 * x.x - 0.098020881 * x.y - 0.099029744 * x.z,
-        -0.052896852 * x.x + 1.151903130 * x.y - 0.098961177 * x.z,
-        -0.052971636 * x.x - 0.098043450 * x.y + 1.151073673 * x.z,
+        1.068485 * x.x - 0.034099 * x.y - 0.034445 * x.z,
+        -0.018402 * x.x + 1.052838 * x.y - 0.034420 * x.z,
+        -0.018424 * x.x - 0.034102 * x.y + 1.052547 * x.z,
     )
     .clamp(DVec3::ZERO, DVec3::ONE)
 }

@@ -44,8 +44,13 @@ impl Drop for Checked {
 
 /// The device to test on; none prints "skipped", or fails where `TERRANE_REQUIRE_GPU=1`.
 pub(crate) fn device() -> Option<Checked> {
+    device_with(None)
+}
+
+/// The device, drawing with so many samples a pixel.
+pub(crate) fn device_with(samples: Option<u32>) -> Option<Checked> {
     let guard = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
-    match Context::new(&ContextOptions { validation: true, ..ContextOptions::default() }) {
+    match Context::new(&ContextOptions { validation: true, samples, ..ContextOptions::default() }) {
         Ok(context) => Some(Checked { log: context.message_log(), context: Some(context), _device: guard }),
         Err(error) => {
             let required = std::env::var("TERRANE_REQUIRE_GPU").is_ok_and(|value| value == "1");

@@ -3,6 +3,8 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
 mod air;
+mod edges;
+mod exposure;
 mod extremes;
 mod harness;
 mod history;

@@ -14,6 +14,7 @@ pub use error::RecipeError;
 pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
 pub use palette::{Airless, Colour, Living, Palette};
 
+use crate::sun::EARTH_TILT;
 use reader::{Reader, Source};
 use std::path::Path;
 
@@ -46,6 +47,8 @@ pub struct Recipe {
     pub name: String,
     /// Radius of the datum, in metres (1000 to 1e8).
     pub radius: f64,
+    /// Tilt of the axis against the year, in degrees (0 to 180).
+    pub axial_tilt: f64,
     /// Seed of all noise.
     pub seed: u64,
     /// The sea, if any.
@@ -120,6 +123,7 @@ impl Recipe {
         })?;
         let reader = Reader::new(&source, document.get_ref());
         let radius = reader.number("radius_m", 1e3..=1e8)?;
+        let axial_tilt = reader.number_or("axial_tilt_deg", 0.0..=180.0, EARTH_TILT)?;
         let name = reader.string("name", "the planet's name")?;
         let seed = reader.whole("seed")?;
         let sea = reader.table("sea")?.map(|r| Sea::read(&r)).transpose()?;
@@ -130,7 +134,7 @@ impl Recipe {
         let palette = Palette::read(&palette)?;
         reader.finish()?;
         let (text, file) = (text.to_owned(), file.to_owned());
-        Ok(Self { name, radius, seed, sea, atmosphere, layers, edits, palette, text, assets: Vec::new(), file })
+        Ok(Self { name, radius, axial_tilt, seed, sea, atmosphere, layers, edits, palette, text, assets: Vec::new(), file })
     }
 
     /// The same planet with one edit more, at the end of its text.

@@ -14,7 +14,7 @@ pub const SUN: f64 = 10.0;
 /// The sun's angular radius.
 pub const SUN_RADIUS: f64 = 0.00465;
 /// Irradiance of the night sky.
-const NIGHT: DVec3 = DVec3::new(0.016, 0.022, 0.032);
+const NIGHT: DVec3 = DVec3::new(0.014, 0.018, 0.024);
 /// Steps of a view ray, and of the sunlight's ray from each.
 const STEPS: (usize, usize) = (240, 80);
 /// Elevations of the sun and heights of the table of multiple scattering; directions of each entry in a round and in height; their steps.

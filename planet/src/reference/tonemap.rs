@@ -5,32 +5,14 @@
 use crate::layout::Mode;
 use glam::{Mat3, Vec3};
 
-const MIX: Mat3 = Mat3::from_cols_array(&[
-    0.842_479_06,
-    0.042_328_242,
-    0.042_375_655,
-    0.078_433_6,
-    0.878_468_64,
-    0.078_433_6,
-    0.079_223_745,
-    0.079_166_13,
-    0.879_143,
-]);
-const UNMIX: Mat3 = Mat3::from_cols_array(&[
-    1.196_879,
-    -0.052_896_852,
-    -0.052_971_636,
-    -0.098_020_88,
-    1.151_903_1,
-    -0.098_043_45,
-    -0.099_029_74,
-    -0.098_961_18,
-    1.151_073_7,
-]);
+const MIX: Mat3 =
+    Mat3::from_cols_array(&[0.936992, 0.016931, 0.016950, 0.031373, 0.951387, 0.031373, 0.031689, 0.031666, 0.951657]);
+const UNMIX: Mat3 =
+    Mat3::from_cols_array(&[1.068485, -0.018402, -0.018424, -0.034099, 1.052838, -0.034102, -0.034445, -0.034420, 1.052547]);
 /// Powers of two that the curve maps to black and white.
 const RANGE: (f32, f32) = (-12.47393, 4.026069);
-const CONTRAST: f32 = 1.2;
-const SATURATION: f32 = 1.3;
+const CONTRAST: f32 = 1.3;
+const SATURATION: f32 = 1.25;
 /// Luminance of the primaries.
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 

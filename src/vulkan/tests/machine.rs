@@ -14,7 +14,7 @@ fn listed_gpus_can_be_chosen_by_index_and_name() {
     assert_eq!((&listed.name, &listed.driver_info), (&chosen.name, &chosen.driver_info));
     assert!(listed.unusable.is_empty() && listed.api_version.starts_with("1."));
     for choice in [GpuChoice::Index(chosen.index), GpuChoice::Name(chosen.name.to_uppercase())] {
-        let options = ContextOptions { gpu: choice, validation: false };
+        let options = ContextOptions { gpu: choice, ..ContextOptions::default() };
         let context = Context::new(&options).unwrap();
         assert_eq!(context.device_info().name, chosen.name);
     }
@@ -24,7 +24,7 @@ fn listed_gpus_can_be_chosen_by_index_and_name() {
 fn a_gpu_that_does_not_exist_is_an_error_that_lists_the_others() {
     let Some(context) = device() else { return };
     for choice in [GpuChoice::Index(99), GpuChoice::Name("no such".to_owned())] {
-        let options = ContextOptions { gpu: choice, validation: false };
+        let options = ContextOptions { gpu: choice, ..ContextOptions::default() };
         let error = Context::new(&options).err().unwrap();
         assert!(matches!(error, VulkanError::NoSuchGpu { .. }), "{error:?}");
         assert!(error.to_string().contains(&context.device_info().name), "{error}");

@@ -5,7 +5,7 @@ mod percentiles;
 mod savings;
 
 use super::paths::load_path;
-use super::viewing::{camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{Exposure, camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
@@ -19,6 +19,7 @@ use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
 use terrane::vulkan::GpuInfo;
 use terrane_planet::camera_path::{CameraPath, Keyframe};
+use terrane_planet::recipe::Recipe;
 use terrane_planet::sphere::direction_at;
 use terrane_planet::view::{View, TOLERANCE_RANGE};
 
@@ -92,7 +93,7 @@ impl Run for Bench {
         }
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
-        let look = self.look_along(&path);
+        let look = self.look_along(&scene.planet().recipe, &path);
         for _ in 0..self.warmup {
             self.measure(&mut scene, &mut headless, &look, &path.at(first), |view, _| view)?;
         }
@@ -128,9 +129,9 @@ impl Run for Bench {
 
 impl Bench {
     /// The look of the whole path: the sun stands still, as seen from where the path ends.
-    fn look_along(&self, path: &CameraPath) -> Look {
+    fn look_along(&self, recipe: &Recipe, path: &CameraPath) -> Look {
         let end = path.at(path.span().1);
-        self.look.look(direction_at(end.latitude, end.longitude))
+        self.look.look(recipe, direction_at(end.latitude, end.longitude), Exposure::Fixed(1.0))
     }
 
     fn measure(

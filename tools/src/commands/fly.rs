@@ -1,6 +1,6 @@
 //! `terrane fly`: the planet in a window.
 
-use super::viewing::{report_messages, CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{Exposure, report_messages, CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use std::path::{Path, PathBuf};
@@ -39,7 +39,7 @@ impl Run for Fly {
             context: self.gpu.options(),
             camera,
             scene: self.patches.options()?,
-            look: self.look.look(self.camera.place()),
+            look: self.look.look(&planet.recipe, self.camera.place(), Exposure::Auto),
             tolerance: self.camera.error,
             geomorphs: self.mesh.geomorphs(),
             orientation: self.mesh.orientation(),

@@ -3,7 +3,7 @@
 mod fit;
 mod plot;
 
-use super::viewing::{CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{CameraOptions, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
@@ -85,7 +85,7 @@ impl Run for Growth {
         let camera = self.camera.camera(scene.planet())?;
         let [width, height] = camera.size;
         let mut headless = Headless::new(&context, (width, height))?;
-        let look = self.look.look(self.camera.place());
+        let look = self.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
         let mut points = Vec::new();
         for step in 0..self.steps {
             let along = f64::from(step) / f64::from(self.steps - 1);

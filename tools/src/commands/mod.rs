@@ -1,6 +1,7 @@
 //! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], and one line here.
 
 mod building;
+mod film;
 mod paths;
 mod pictures;
 mod radiance;
@@ -44,6 +45,7 @@ commands! {
     growth => Growth,
     info => Info,
     mesh => Mesh,
+    record => Record,
     shot => Shot,
     simplify => Simplify,
     study => Study,

@@ -59,7 +59,10 @@ pub(crate) fn write_whole(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
 }
 
 /// Writes a file with `write` under a temporary name and moves it into place.
-pub(crate) fn write_whole_with(path: &Path, write: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>) -> anyhow::Result<()> {
+pub(crate) fn write_whole_with(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
+) -> anyhow::Result<()> {
     let name = path.file_name().with_context(|| format!("{} names no file", path.display()))?;
     let part = path.with_file_name(format!(".{}.part", name.to_string_lossy()));
     let create = || -> anyhow::Result<()> {

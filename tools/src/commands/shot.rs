@@ -1,6 +1,6 @@
 //! `terrane shot`: one still picture.
 
-use super::viewing::{CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{Exposure, CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::building::Report;
 use super::radiance::{write_exr, Taken};
 use super::still::{format_of, StillArguments};
@@ -55,7 +55,7 @@ impl Run for Shot {
         let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
         let camera = self.camera.camera(scene.planet())?;
         let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error), scene.planet());
-        let look = self.look.look(self.camera.place());
+        let look = self.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
         let cut = scene.settle(&view)?;
         let mut studio = Studio::new(&context, camera.size, self.still.options(format))?;

@@ -22,7 +22,7 @@ use terrane_planet::view::{View, TOLERANCE_RANGE};
 const SIZE: (u32, u32) = (16, 16);
 
 /// Bytes of patches near the ground: a view that got fewer than it wants proves nothing.
-const NEAR_GROUND_BYTES: u64 = 8 << 30;
+const NEAR_GROUND_BYTES: u64 = 4 << 30;
 
 /// Check random views of a planet: no cracks, no flips, the same mesh on GPU and CPU, errors within the tolerance.
 ///
@@ -73,16 +73,16 @@ impl Run for Verify {
         let mut headless = Headless::new(&context, SIZE)?;
         let mut verifier = Verifier::new(&self.file, &scene)?;
         let count = self.views as usize;
-        let places = self.ground.map_or(1, |places| places as usize);
         let views = match self.ground {
             None => random_views(&scene, self.seed, count, &self.error),
-            Some(_) => ground_views(&scene, self.seed, places, count, &self.error),
+            Some(places) => ground_views(&scene, self.seed, places as usize, count, &self.error),
         };
         let views: Vec<View> = views.into_iter().map(|view| self.mesh.apply(view, scene.planet())).collect();
         let progress = Progress::new(views.len());
         let (mut report, mut errors) = (VerifyReport::default(), ScreenErrors::default());
         for (k, view) in views.iter().enumerate() {
-            if k * places / count != k.saturating_sub(1) * places / count {
+            if self.ground.is_some() {
+                // Copies of a place's patches take gigabytes.
                 verifier.forget();
             }
             let seen = verifier.check(&mut scene, &mut headless, view)?;

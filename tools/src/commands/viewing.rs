@@ -1,7 +1,8 @@
 //! Options that the rendering commands share: which GPU, where the camera is, how the picture looks.
 
-use anyhow::{bail, ensure};
+use anyhow::{bail, ensure, Context as _};
 use glam::DVec3;
+use jiff::Timestamp;
 use std::sync::Arc;
 use terrane::frame::{sun_over, Look, DAYLIGHT};
 use terrane::scene::{CacheOptions, OnDemand, SceneOptions};
@@ -9,7 +10,9 @@ use terrane::vulkan::{Context, ContextOptions, GpuChoice, ValidationMessage};
 use terrane_planet::camera_path::Keyframe;
 use terrane_planet::layout::Mode;
 use terrane_planet::planet::Planet;
+use terrane_planet::recipe::Recipe;
 use terrane_planet::sphere::direction_at;
+use terrane_planet::sun;
 use terrane_planet::view::{Camera, View, TOLERANCE_RANGE};
 
 /// Largest side of a picture in pixels (the smallest limit that Vulkan guarantees is 4,096; most devices allow this).
@@ -38,6 +41,16 @@ pub(crate) struct GpuOptions {
     /// Run the Vulkan validation layer, with synchronization validation; any message is an error.
     #[arg(long)]
     validate: bool,
+    /// Samples a pixel for smooth edges of the ground; 4 unless told otherwise, and 1 on software renderers.
+    #[arg(long, value_name = "1|2|4|8", value_parser = samples)]
+    msaa: Option<u32>,
+}
+
+fn samples(text: &str) -> anyhow::Result<u32> {
+    match text.parse() {
+        Ok(samples @ (1 | 2 | 4 | 8)) => Ok(samples),
+        _ => bail!("'{text}' is not 1, 2, 4 or 8"),
+    }
 }
 
 impl GpuOptions {
@@ -47,7 +60,7 @@ impl GpuOptions {
             None => GpuChoice::Auto,
             Some(text) => text.parse().map_or_else(|_| GpuChoice::Name(text.clone()), GpuChoice::Index),
         };
-        ContextOptions { gpu, validation: self.validate }
+        ContextOptions { gpu, validation: self.validate, samples: self.msaa }
     }
 
     /// A context without a window.
@@ -135,7 +148,7 @@ fn default_pitch(radius: f64, altitude: f64, fov: f64) -> f64 {
 }
 
 /// How the mesh follows the view.
-#[derive(clap::Args, Clone, Copy)]
+#[derive(clap::Args, Clone, Copy, Debug)]
 pub(crate) struct MeshOptions {
     /// Let vertices jump into their places when they wake, instead of sliding there.
     #[arg(long)]
@@ -214,7 +227,7 @@ impl PatchOptions {
 }
 
 /// What is drawn.
-#[derive(clap::ValueEnum, Clone, Copy)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
 enum ModeOption {
     Shaded,
     Wire,
@@ -225,7 +238,7 @@ enum ModeOption {
 }
 
 /// How the picture looks.
-#[derive(clap::Args, Clone)]
+#[derive(clap::Args, Clone, Debug)]
 pub(crate) struct LookOptions {
     /// What is drawn.
     #[arg(long, value_enum, default_value = "shaded")]
@@ -233,15 +246,47 @@ pub(crate) struct LookOptions {
     /// Where the sun stands over the place below the camera: degrees clockwise from north, and above the horizon.
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = numbers::<2>, allow_hyphen_values = true)]
     sun: Option<[f64; 2]>,
-    /// Factor on the brightness of the picture.
-    #[arg(long, default_value_t = 1.0)]
-    exposure: f32,
+    /// The sun by date and time, such as 2026-06-21T12:00Z: as over the Earth, with the axial tilt of the recipe.
+    #[arg(long, value_name = "TIME", value_parser = seconds, conflicts_with = "sun")]
+    date: Option<f64>,
+    /// Factor on the brightness of the picture, 1 being right for daylight; or `auto`, by how bright the scene is. The default is 1,
+    /// and `auto` in a window.
+    #[arg(long, value_name = "auto|VALUE", value_parser = exposure)]
+    exposure: Option<Exposure>,
+}
+
+/// How bright pictures are.
+#[derive(Clone, Copy, PartialEq, Debug)]
+pub(crate) enum Exposure {
+    /// By the scene's luminance.
+    Auto,
+    /// A factor on that of daylight.
+    Fixed(f32),
+}
+
+/// Seconds since 1970 of a time with its zone.
+fn seconds(text: &str) -> anyhow::Result<f64> {
+    let time: Timestamp = text.parse().with_context(|| format!("'{text}' is not a time such as 2026-06-21T12:00Z"))?;
+    Ok(time.as_second() as f64)
+}
+
+fn exposure(text: &str) -> anyhow::Result<Exposure> {
+    match text.parse::<f32>() {
+        _ if text == "auto" => Ok(Exposure::Auto),
+        Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Exposure::Fixed(factor)),
+        _ => bail!("'{text}' is neither 'auto' nor a number from 1e-6 to 1e6"),
+    }
 }
 
 impl LookOptions {
-    /// The look of a picture over a place.
-    pub(crate) fn look(&self, place: DVec3) -> Look {
+    /// The look of a picture over a place of a planet, exposed in the usual way unless told otherwise.
+    pub(crate) fn look(&self, recipe: &Recipe, place: DVec3, usual: Exposure) -> Look {
         let [azimuth, elevation] = self.sun.unwrap_or(DEFAULT_SUN);
+        let sun = self.date.map_or_else(|| sun_over(place, azimuth, elevation), |date| sun::direction(date, recipe.axial_tilt));
+        let (factor, metering) = match self.exposure.unwrap_or(usual) {
+            Exposure::Auto => (1.0, Some(1.0)),
+            Exposure::Fixed(factor) => (factor, None),
+        };
         let mode = match self.mode {
             ModeOption::Shaded => Mode::Shaded,
             ModeOption::Wire => Mode::Wire,
@@ -250,7 +295,7 @@ impl LookOptions {
             ModeOption::Albedo => Mode::Albedo,
             ModeOption::Depth => Mode::Depth,
         };
-        Look { mode, sun: sun_over(place, azimuth, elevation), exposure: DAYLIGHT * self.exposure }
+        Look { mode, sun, exposure: DAYLIGHT * factor, metering }
     }
 }
 

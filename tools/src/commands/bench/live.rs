@@ -40,7 +40,7 @@ impl Bench {
         let (mut rows, mut at_end) = (Vec::new(), Vec::new());
         let mut host = 0;
         let mut checking = 0.0;
-        let look = self.look_along(path);
+        let look = self.look_along(&planet.recipe, path);
         let mut flight = LiveFlight::new(context, scene, headless, step);
         for number in 0..self.frames as usize + MOST_FRAMES_AT_END {
             let stand = path.at((first + step * number as f64).min(last));

@@ -1,0 +1,117 @@
+//! Grain of the ground: a tileable map of slopes and brightness finer than any patch holds, from periodic gradient noise (Perlin 1985).
+//!
+//! Out: mip levels of [`GRAIN_SIDE`]² texels, in which both average out to nothing.
+
+use crate::verify::random_views::Random;
+
+/// Texels along a side.
+pub const GRAIN_SIDE: usize = 256;
+
+/// Noise cells along a side of the coarsest octave, and octaves.
+const CELLS: usize = 8;
+const OCTAVES: u32 = 4;
+
+/// Share of each octave in height, of that before.
+const GAIN: f32 = 0.55;
+
+/// One mip level: slopes along both axes with a mean square of 1, and brightness with a mean square of 1, row by row.
+pub type GrainLevel = Vec<[f32; 3]>;
+
+/// All mip levels, down to one texel.
+pub fn grain_map(seed: u64) -> Vec<GrainLevel> {
+    let heights = fractal(seed);
+    let tint = fractal(seed ^ 0x5eed);
+    let side = GRAIN_SIDE;
+    let at = |x: usize, y: usize| heights[y % side * side + x % side];
+    let texel = |k: usize| {
+        let (x, y) = (k % side, k / side);
+        let slope = [at(x + 1, y) - at(x + side - 1, y), at(x, y + 1) - at(x, y + side - 1)];
+        // Hollows are darker.
+        [slope[0], slope[1], 0.5 * tint[k] + 0.5 * heights[k]]
+    };
+    let mut level: GrainLevel = (0..side * side).map(texel).collect();
+    normalise(&mut level, [0, 1]);
+    normalise(&mut level, [2, 2]);
+    let mut levels = vec![level];
+    for power in (1..=GRAIN_SIDE.ilog2()).rev() {
+        let finer = levels.last().map_or(&[][..], |level| level.as_slice());
+        levels.push(halved(finer, 1 << power));
+    }
+    levels
+}
+
+/// Takes the mean from two channels (or one, named twice) and scales them to a mean square of 1 together.
+fn normalise(level: &mut GrainLevel, channels: [usize; 2]) {
+    for channel in channels {
+        let mean = level.iter().map(|texel| texel[channel]).sum::<f32>() / level.len() as f32;
+        level.iter_mut().for_each(|texel| texel[channel] -= mean);
+    }
+    let square =
+        level.iter().map(|texel| channels.iter().map(|&c| texel[c] * texel[c]).sum::<f32>()).sum::<f32>() / level.len() as f32;
+    let scale = 1.0 / (square / if channels[0] == channels[1] { 2.0 } else { 1.0 }).sqrt().max(f32::MIN_POSITIVE);
+    for channel in channels.into_iter().take(if channels[0] == channels[1] { 1 } else { 2 }) {
+        level.iter_mut().for_each(|texel| texel[channel] *= scale);
+    }
+}
+
+fn fractal(seed: u64) -> Vec<f32> {
+    let mut heights = vec![0.0; GRAIN_SIDE * GRAIN_SIDE];
+    let mut gain = 1.0;
+    for octave in 0..OCTAVES {
+        let cells = CELLS << octave;
+        let mut random = Random::new(seed.wrapping_mul(31).wrapping_add(u64::from(octave)));
+        let gradients: Vec<[f32; 2]> = (0..cells * cells)
+            .map(|_| {
+                let (sin, cos) = random.range(0.0, std::f64::consts::TAU).sin_cos();
+                [cos as f32, sin as f32]
+            })
+            .collect();
+        for (k, height) in heights.iter_mut().enumerate() {
+            *height += gain * noise(&gradients, cells, [k % GRAIN_SIDE, k / GRAIN_SIDE]);
+        }
+        gain *= GAIN;
+    }
+    heights
+}
+
+/// Gradient noise at a texel, periodic in the side.
+fn noise(gradients: &[[f32; 2]], cells: usize, texel: [usize; 2]) -> f32 {
+    let [x, y] = texel.map(|t| t as f32 * cells as f32 / GRAIN_SIDE as f32);
+    let (column, row) = (x as usize, y as usize);
+    let (u, v) = (x - column as f32, y - row as f32);
+    let corner = |i: usize, j: usize| {
+        let [gx, gy] = gradients[(row + j) % cells * cells + (column + i) % cells];
+        gx * (u - i as f32) + gy * (v - j as f32)
+    };
+    let fade = |t: f32| t * t * t * (t * (6.0 * t - 15.0) + 10.0);
+    let (a, b) = (fade(u), fade(v));
+    let (low, high) = ([corner(0, 0), corner(1, 0)], [corner(0, 1), corner(1, 1)]);
+    let (low, high) = (low[0] + (low[1] - low[0]) * a, high[0] + (high[1] - high[0]) * a);
+    low + (high - low) * b
+}
+
+/// The mean of every four.
+fn halved(level: &[[f32; 3]], side: usize) -> GrainLevel {
+    let half = side / 2;
+    let mean = |k: usize| {
+        let at = 2 * (k / half) * side + 2 * (k % half);
+        std::array::from_fn(|c| 0.25 * (level[at][c] + level[at + 1][c] + level[at + side][c] + level[at + side + 1][c]))
+    };
+    (0..half * half).map(mean).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn grain_shifts_the_mean_or_has_another_strength() {
+        let levels = grain_map(3);
+        assert_eq!((levels.len(), levels[8].len()), (9, 1));
+        let mean = |of: &dyn Fn(&[f32; 3]) -> f32| levels[0].iter().map(of).sum::<f32>() / levels[0].len() as f32;
+        assert!((mean(&|t| t[0] * t[0] + t[1] * t[1]) - 1.0).abs() < 1e-2 && (mean(&|t| t[2] * t[2]) - 1.0).abs() < 1e-2);
+        assert!(levels[8][0].iter().all(|x| x.abs() < 1e-3), "{:?}", levels[8]);
+        let edge = |x: usize| levels[0][x][2] - levels[0][(x + 1) % GRAIN_SIDE][2];
+        assert!(edge(GRAIN_SIDE - 1).abs() < 3.0 * (0..GRAIN_SIDE - 1).map(|x| edge(x).abs()).fold(0.0, f32::max));
+    }
+}

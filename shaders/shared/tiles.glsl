@@ -1,0 +1,28 @@
+// Where maps that repeat over the whole planet are looked up: along the three axes of the planet, so that nothing swims when the
+// camera moves, each as far as the ground faces it.
+
+#ifndef TERRANE_TILES
+#define TERRANE_TILES
+#include "light.glsl"
+
+// How much each axis counts where the vertical is `up`: 1 together.
+vec3 axis_weights(vec3 up) {
+    vec3 w = abs(up);
+    w = w * w;
+    w = w * w;
+    w = max(w * w - 0.01, 0.0);
+    return w / (w.x + w.y + w.z);
+}
+
+// A place relative to the camera in periods of REPEAT_M, exact near the camera.
+vec3 in_periods(vec3 from_camera) { return (light.anchor + from_camera) / REPEAT_M; }
+
+// Slopes of a map seen along axis k, as a gradient in space.
+vec3 gradient_along(int k, vec2 slopes) {
+    return k == 0 ? vec3(0.0, slopes) : k == 1 ? vec3(slopes.y, 0.0, slopes.x) : vec3(slopes, 0.0);
+}
+
+// Map coordinates of a place seen along axis k.
+vec2 coordinates_along(int k, vec3 place) { return k == 0 ? place.yz : k == 1 ? place.zx : place.xy; }
+
+#endif

@@ -1,0 +1,61 @@
+//! Stage `meter`: how bright the picture is, and the exposure that follows from it. In: the scene. Out: a factor on exposure that
+//! `tonemap` reads. Shaders: `meter.comp`, `expose.comp`.
+//!
+//! Counts are whole numbers: the same picture gives the same exposure, in whatever order the GPU counts.
+
+use super::buffers::FrameBuffers;
+use super::targets::Targets;
+use crate::shaders;
+use crate::vulkan::{Access, Buffer, Commands, ComputePipeline, Context, Memory, Resource, Result, Usage};
+use std::sync::Arc;
+
+/// Bins of the histogram, as in `shared/metering.glsl`.
+const BINS: usize = 128;
+/// Pixels of a side that a workgroup of `meter.comp` looks over, as a factor on its size.
+const STRIDE: u32 = 4;
+
+/// The stage's pipelines, histogram and result.
+pub(super) struct Meter {
+    meter: ComputePipeline,
+    expose: ComputePipeline,
+    zeros: Buffer,
+    histogram: Buffer,
+    factor: Buffer,
+}
+
+impl Meter {
+    /// Builds the pipelines.
+    pub(super) fn new(context: &Arc<Context>) -> Result<Meter> {
+        let bytes = (4 * BINS) as u64;
+        let mut zeros = Buffer::new(context, "zeros", bytes, Usage::TRANSFER_SRC, Memory::Upload)?;
+        zeros.write(0, &[0u32; BINS])?;
+        Ok(Meter {
+            meter: ComputePipeline::new(context, &shaders::METER_COMP, &[])?,
+            expose: ComputePipeline::new(context, &shaders::EXPOSE_COMP, &[])?,
+            zeros,
+            histogram: Buffer::new(context, "histogram", bytes, Usage::STORAGE_BUFFER, Memory::Device)?,
+            factor: Buffer::new(context, "exposure", 4, Usage::STORAGE_BUFFER, Memory::Device)?,
+        })
+    }
+
+    /// Records the stage: reads `targets.scene`.
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+        commands.copy_buffer((&self.zeros, 0), (&self.histogram, 0), self.zeros.bytes())?;
+        commands.barrier(&[Access::TransferWrite], &[Access::ComputeWrite])?;
+        let scene = ("scene", Resource::Sampled(targets.scene.view(), &targets.nearest));
+        let histogram = ("Histogram", Resource::Storage(&self.histogram));
+        commands.bind(&self.meter, &[scene, histogram])?;
+        let [x, y, _] = self.meter.workgroup_size();
+        commands.dispatch(targets.size.0.div_ceil(STRIDE * x), targets.size.1.div_ceil(STRIDE * y), 1)?;
+        commands.barrier(&[Access::ComputeWrite], &[Access::ComputeRead])?;
+        let light = ("Light", Resource::Storage(buffers.shading()));
+        commands.bind(&self.expose, &[light, histogram, ("Exposure", Resource::Storage(&self.factor))])?;
+        commands.dispatch(1, 1, 1)?;
+        commands.barrier(&[Access::ComputeWrite], &[Access::GraphicsRead])
+    }
+
+    /// The factor on exposure; undefined before the first metered frame.
+    pub(super) fn factor(&self) -> &Buffer {
+        &self.factor
+    }
+}

@@ -1,0 +1,39 @@
+//! Stage `stars`: points of light behind everything, added to the finished sky. Shaders: `stars.vert`, `stars.frag`.
+
+use super::air::Air;
+use super::buffers::FrameBuffers;
+use super::targets::{Targets, SCENE_FORMAT};
+use crate::shaders;
+use crate::vulkan::{vk, Blend, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use std::sync::Arc;
+
+/// How many there are; `stars.vert` spreads their magnitudes accordingly.
+const STARS: u32 = 9000;
+
+/// The stage's pipeline.
+pub(super) struct Stars {
+    pipeline: GraphicsPipeline,
+}
+
+impl Stars {
+    /// Builds the pipeline.
+    pub(super) fn new(context: &Arc<Context>) -> Result<Stars> {
+        let formats = [SCENE_FORMAT];
+        let mut description = GraphicsDescription::new(shaders::STARS_VERT, Some(shaders::STARS_FRAG), &formats);
+        description.blend = Blend::Add;
+        description.topology = vk::PrimitiveTopology::TRIANGLE_STRIP;
+        Ok(Stars { pipeline: GraphicsPipeline::new(context, "stars", &description)? })
+    }
+
+    /// Records the stage: adds to `targets.scene` where `targets.depth` has nothing.
+    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, air: &Air) -> Result<()> {
+        commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: None }], None)?;
+        let own = [
+            ("Light", Resource::Storage(buffers.shading())),
+            ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
+        ];
+        commands.bind(&self.pipeline, &[own.as_slice(), &air.eye()].concat())?;
+        commands.draw(4, STARS)?;
+        commands.end_rendering()
+    }
+}
