@@ -41,6 +41,7 @@ commands! {
     compare => Compare,
     edit => Edit,
     fly => Fly,
+    gallery => Gallery,
     gpus => Gpus,
     growth => Growth,
     info => Info,

@@ -50,13 +50,16 @@ fn attributes(still: &Still, taken: &Taken) -> LayerAttributes {
     let camera = taken.camera;
     let vector = |v: DVec3| AttributeValue::FloatVec3(v.as_vec3().into());
     let (latitude, longitude) = place_of(camera.position);
-    let mut attributes = LayerAttributes::default();
-    attributes.software_name = Some(Text::from(concat!("terrane ", env!("CARGO_PKG_VERSION"))));
-    attributes.comments =
-        Some(Text::from("linear radiance before exposure; planet-fixed axes: z north, x at longitude 0; metres, degrees"));
-    attributes.latitude = Some(latitude as f32);
-    attributes.longitude = Some(longitude as f32);
-    attributes.altitude = Some((camera.position.length() - taken.radius) as f32);
+    let mut attributes = LayerAttributes {
+        software_name: Some(Text::from(concat!("terrane ", env!("CARGO_PKG_VERSION")))),
+        comments: Some(Text::from(
+            "linear radiance before exposure; planet-fixed axes: z north, x at longitude 0; metres, degrees",
+        )),
+        latitude: Some(latitude as f32),
+        longitude: Some(longitude as f32),
+        altitude: Some((camera.position.length() - taken.radius) as f32),
+        ..LayerAttributes::default()
+    };
     let own = [
         ("planet", AttributeValue::Text(Text::new_or_none(taken.planet).unwrap_or_default())),
         ("displayExposure", AttributeValue::F32(still.exposure)),
