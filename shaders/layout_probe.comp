@@ -155,6 +155,10 @@ void main() {
     words[at++] = bits(shading.sunward.z);
     words[at++] = bits(shading.size.x);
     words[at++] = bits(shading.size.y);
+    words[at++] = bits(shading.window.x);
+    words[at++] = bits(shading.window.y);
+    words[at++] = bits(shading.window.z);
+    words[at++] = bits(shading.window.w);
     words[at++] = bits(shading.ground_albedo);
     words[at++] = bits(shading.exposure);
     words[at++] = bits(shading.adaptation);

@@ -27,21 +27,24 @@ vec3 sun_disc(vec3 ray) {
 
 void main() {
     vec4 ground_color = texelFetch(scene, ivec2(gl_FragCoord.xy), 0);
+    float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
     if (is_diagram()) {
-        out_color = ground_color;
+        out_color = vec4(ground_color.rgb, stored > 0.0 ? 1.0 : 0.0);
         return;
     }
     vec3 direction = view_ray(in_uv);
     float stretch = length(direction);
     vec3 ray = direction / stretch;
-    float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
     float end = stored > 0.0 ? view.near / stored * stretch : 1e30;
     // The sea lies in front where the ground is under water, or where there is no ground at all.
     bool water = stored <= 0.0 || texelFetch(ground, ivec2(gl_FragCoord.xy), 0).a < 0.0;
     float sea = water ? distance_to_sea(ray) : -1.0;
     if (sea > 0.0) end = sea;
-    vec3 color = end >= 1e29 ? sun_disc(ray) : ground_color.rgb;
+    bool empty = end >= 1e29;
+    vec3 color = empty ? sun_disc(ray) : ground_color.rgb;
     vec3 scattered, passed;
     air_before(ray, end, scattered, passed);
-    out_color = vec4(min(color * passed + scattered, BRIGHTEST), 1.0);
+    // How much of what lies behind it is hidden, for pictures that are put before something else.
+    float cover = empty ? 1.0 - dot(passed, vec3(0.2126, 0.7152, 0.0722)) : 1.0;
+    out_color = vec4(min(color * passed + scattered, BRIGHTEST), cover);
 }

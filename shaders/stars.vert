@@ -53,5 +53,5 @@ void main() {
 
     out_offset = REACH * (vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2.0 - 1.0);
     vec2 at = vec2(dot(ray, light.right) / dot(light.right, light.right), -dot(ray, light.up) / dot(light.up, light.up)) / ahead;
-    gl_Position = vec4(at + out_offset * pixel, 0.0, 1.0);
+    gl_Position = vec4(in_window(at + out_offset * pixel), 0.0, 1.0);
 }

@@ -60,6 +60,6 @@ void main() {
         return;
     }
     // Interleaved gradient noise (Jimenez 2014).
-    float dither = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
+    float dither = fract(52.9829189 * fract(dot(light.window.xy + gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) - 0.5;
     out_color = vec4(shown + dither / 255.0, 1.0);
 }

@@ -2,7 +2,7 @@
 
 use crate::frame::{FrameTables, Look, Renderer};
 use crate::scene::{Scene, SceneError};
-use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps};
+use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps, VulkanError};
 use std::sync::Arc;
 use std::time::Instant;
 use terrane_planet::layout::{DrawnVertex, EmitState, Shading};
@@ -50,11 +50,10 @@ pub struct Selection {
 impl Headless {
     /// Pipelines and targets for pictures of a size.
     pub fn new(context: &Arc<Context>, size: (u32, u32)) -> Result<Headless, SceneError> {
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
         Ok(Headless {
             context: context.clone(),
             renderer: Renderer::new(context, size, PICTURE_FORMAT)?,
-            picture: Image::new(context, &ImageDescription::new("picture", size, PICTURE_FORMAT, usage))?,
+            picture: picture(context, size)?,
             commands: Commands::new(context, "frame")?,
         })
     }
@@ -78,10 +77,45 @@ impl Headless {
         Ok(FrameReport { times, counters, tables, tables_ms, record_ms })
     }
 
+    /// Follows a change of picture size.
+    pub fn resize(&mut self, size: (u32, u32)) -> Result<(), SceneError> {
+        if self.picture.mip_size(0) != size {
+            self.picture = picture(&self.context, size)?;
+        }
+        Ok(self.renderer.resize(size)?)
+    }
+
     /// Runs only the mesh stages of a frame over all patches of the cut, seen or not.
     pub fn select_whole(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<FrameReport, SceneError> {
+        self.select(scene, view, cut, look, true)
+    }
+
+    /// Runs only the mesh stages of a frame, so that [`Headless::render_part`] can draw it.
+    pub fn select_seen(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<FrameReport, SceneError> {
+        self.select(scene, view, cut, look, false)
+    }
+
+    /// Draws a part of the picture whose mesh was selected last. `part` is that picture's view through a window, and `tables` are that
+    /// selection's; the scene must not have been updated since.
+    pub fn render_part(
+        &mut self,
+        scene: &Scene,
+        part: &View,
+        tables: &FrameTables,
+        look: &Look,
+    ) -> Result<(Timestamps, EmitState), SceneError> {
+        self.renderer.prepare_again(scene, part, tables, look)?;
+        self.commands.begin()?;
+        self.renderer.record_part(&mut self.commands, scene, tables)?;
+        self.commands.transition(self.picture.view(), Access::Undefined, Access::ColorTarget)?;
+        self.renderer.record_picture(&mut self.commands, scene, look, self.picture.view())?;
+        let times = self.commands.submit_and_wait()?;
+        Ok((times, self.renderer.counters()?))
+    }
+
+    fn select(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look, whole: bool) -> Result<FrameReport, SceneError> {
         let begun = Instant::now();
-        let tables = self.renderer.prepare(scene, view, cut, look, true)?;
+        let tables = self.renderer.prepare(scene, view, cut, look, whole)?;
         let tables_ms = milliseconds_since(begun);
         let begun = Instant::now();
         self.commands.begin()?;
@@ -125,6 +159,16 @@ impl Headless {
         self.renderer.shading()
     }
 
+    /// Factor from radiance to display of the latest picture, metered if it was.
+    pub fn exposure(&self) -> Result<f32, SceneError> {
+        let shading = self.shading();
+        if shading.adaptation < 0.0 {
+            return Ok(shading.exposure);
+        }
+        let factor = download::<f32>(&self.context, self.renderer.metered_factor(), 1)?;
+        Ok(shading.exposure * factor.first().copied().unwrap_or(1.0))
+    }
+
     /// Where the latest picture shows ground: its depth (near plane over distance), 0 where there is none, row by row.
     pub fn depth(&self) -> Result<Vec<f32>, SceneError> {
         Ok(capture(&self.context, &self.renderer.targets.depth, (0, 0), Access::Sampled)?.to_f32()?)
@@ -134,6 +178,10 @@ impl Headless {
     pub fn pixels(&self) -> Result<Vec<u8>, SceneError> {
         Ok(capture(&self.context, &self.picture, (0, 0), Access::ColorTarget)?.to_rgba8()?)
     }
+}
+
+fn picture(context: &Arc<Context>, size: (u32, u32)) -> Result<Image, VulkanError> {
+    Image::new(context, &ImageDescription::new("picture", size, PICTURE_FORMAT, vk::ImageUsageFlags::COLOR_ATTACHMENT))
 }
 
 fn milliseconds_since(begun: Instant) -> f64 {

@@ -1,6 +1,6 @@
 //! Terrane's run time: draws the patches of a planet file with Vulkan.
 //!
-//! [`scene`] keeps the right patches on the GPU, [`frame`] selects, emits and draws them, [`headless`] makes still pictures,
+//! [`scene`] keeps the right patches on the GPU, [`frame`] selects, emits and draws them, [`headless`] and [`stills`] make still pictures,
 //! [`verify`] compares what was drawn with the CPU twins, `app` (with the feature of that name) flies in a window, and [`vulkan`]
 //! is the thin layer below, the only place with `unsafe`.
 
@@ -11,5 +11,6 @@ pub mod headless;
 pub mod measure;
 pub mod scene;
 pub mod shaders;
+pub mod stills;
 pub mod verify;
 pub mod vulkan;

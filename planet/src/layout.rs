@@ -216,6 +216,8 @@ gpu_structs! {
         sunward: [f32; 3],
         /// Picture size in pixels.
         size: [f32; 2],
+        /// The part of the picture that is drawn: left, top, width and height in pixels.
+        window: [f32; 4],
         /// Reflectance of the ground, for light that is scattered more than once.
         ground_albedo: f32,
         /// Factor from radiance to display; where exposure is metered, a factor on that.

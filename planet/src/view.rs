@@ -5,7 +5,7 @@ use crate::layout::FrameView;
 use crate::orientation::Orientation;
 use crate::wake::MORPH_REACH;
 use crate::KAPPA;
-use glam::{DMat3, DVec3, IVec3, Mat4, Vec3, Vec4};
+use glam::{DMat3, DVec3, IVec3, Mat4, Vec4};
 
 /// Largest weight of the distance outside the frustum.
 const MOST_FALLOFF: f64 = 3.0;
@@ -67,6 +67,28 @@ impl Camera {
     }
 }
 
+/// A rectangle of a picture, in pixels from its upper left corner; it may reach beyond the picture's right and lower edges.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Window {
+    /// Its own upper left corner.
+    pub origin: [u32; 2],
+    /// Width and height, at least 1.
+    pub size: [u32; 2],
+}
+
+impl Window {
+    /// The whole picture of a size.
+    pub fn whole(size: [u32; 2]) -> Window {
+        Window { origin: [0; 2], size }
+    }
+
+    /// Its left and right (axis 0) or upper and lower (axis 1) edges where the picture's own are -1 and 1.
+    fn edges(&self, picture: [u32; 2], axis: usize) -> [f64; 2] {
+        let [near, length, whole] = [self.origin[axis], self.size[axis], picture[axis]].map(f64::from);
+        [2.0 * near / whole - 1.0, 2.0 * (near + length) / whole - 1.0]
+    }
+}
+
 /// East, north and up at a position (at the poles, longitude 0 decides).
 pub fn local_frame(position: DVec3) -> DMat3 {
     let up = position.try_normalize().unwrap_or(DVec3::Z);
@@ -79,6 +101,8 @@ pub fn local_frame(position: DVec3) -> DMat3 {
 pub struct View {
     /// The camera.
     pub camera: Camera,
+    /// The part of its picture that is drawn.
+    pub window: Window,
     /// Camera position in lattice units.
     pub eye: DVec3,
     /// Tolerance in pixels.
@@ -106,7 +130,8 @@ impl View {
         let scale = (KAPPA / (tolerance * camera.pixel_angle())).max(1.0);
         let reach = MORPH_REACH * scale;
         let falloff = (scale - 1.0).min(MOST_FALLOFF);
-        let planes = frustum(&camera);
+        let window = Window::whole(camera.size);
+        let planes = frustum(&camera, &window);
         let eye = camera.position / lattice.unit;
         let limit = f64::from(EXTENT - 1);
         let anchor: IVec3 = eye.round().clamp(DVec3::splat(-limit), DVec3::splat(limit)).as_ivec3();
@@ -127,9 +152,19 @@ impl View {
             shift: [0.0; 3],
             unit: lattice.unit as f32,
             near: NEAR,
-            clip: clip_matrix(&camera, NEAR).to_cols_array_2d(),
+            clip: clip_matrix(&camera, &window, NEAR).to_cols_array_2d(),
         };
-        View { camera, eye, tolerance, scale, reach, falloff, planes, orientation: None, horizon: true, gpu }
+        View { camera, window, eye, tolerance, scale, reach, falloff, planes, orientation: None, horizon: true, gpu }
+    }
+
+    /// The part of the same view that a window shows. Its frustum is that of the window, and so would be a mesh that was selected for
+    /// it: parts of one picture are drawn from the whole picture's selection.
+    pub fn through(mut self, window: Window) -> View {
+        self.window = window;
+        self.planes = frustum(&self.camera, &window);
+        self.gpu.planes = self.planes.map(|p| p.as_vec3().to_array());
+        self.gpu.clip = clip_matrix(&self.camera, &window, NEAR).to_cols_array_2d();
+        self
     }
 
     /// The same view in which vertices out of sight are awake like others.
@@ -177,19 +212,25 @@ impl View {
     }
 }
 
-fn frustum(camera: &Camera) -> [DVec3; 5] {
+fn frustum(camera: &Camera, window: &Window) -> [DVec3; 5] {
     let (h, v) = camera.half_extents();
     let (right, up, forward) = (camera.right(), camera.up, camera.forward);
-    let side = |across: DVec3, extent: f64| (across - forward * extent).normalize();
-    [side(-right, h), side(right, h), side(-up, v), side(up, v), -forward]
+    let ([left_edge, right_edge], [upper, lower]) = (window.edges(camera.size, 0), window.edges(camera.size, 1));
+    // Outward is `across`; `edge` is how far in that direction the side lies, in units of `extent`.
+    let side = |across: DVec3, edge: f64, extent: f64| (across - forward * (edge * extent)).normalize();
+    [side(-right, -left_edge, h), side(right, right_edge, h), side(-up, lower, v), side(up, -upper, v), -forward]
 }
 
-/// Reversed-Z projection with an infinite far plane: depth is near / distance. Y points down in clip space.
-fn clip_matrix(camera: &Camera, near: f32) -> Mat4 {
+/// Reversed-Z projection with an infinite far plane: depth is near / distance. Y points down in clip space. Off-centre where the window
+/// is.
+fn clip_matrix(camera: &Camera, window: &Window, near: f32) -> Mat4 {
     let (h, v) = camera.half_extents();
-    let (right, up, forward) = (camera.right().as_vec3(), camera.up.as_vec3(), camera.forward.as_vec3());
-    let row = |axis: Vec3, extent: f64, sign: f32| (axis * (sign / extent as f32)).extend(0.0);
-    Mat4::from_cols(row(right, h, 1.0), row(up, v, -1.0), Vec4::new(0.0, 0.0, 0.0, near), forward.extend(0.0)).transpose()
+    let forward = camera.forward;
+    let row =
+        |axis: DVec3, [from, to]: [f64; 2]| ((axis - forward * (0.5 * (from + to))) / (0.5 * (to - from))).as_vec3().extend(0.0);
+    let x = row(camera.right() / h, window.edges(camera.size, 0));
+    let y = row(-camera.up / v, window.edges(camera.size, 1));
+    Mat4::from_cols(x, y, Vec4::new(0.0, 0.0, 0.0, near), forward.as_vec3().extend(0.0)).transpose()
 }
 
 #[cfg(test)]
@@ -238,5 +279,26 @@ mod tests {
             let ray = view.camera.forward + view.camera.right() * (h * x) + view.camera.up * (v * y);
             assert_eq!(view.planes.iter().all(|p| p.dot(ray) <= 0.0), inside);
         }
+    }
+    #[test]
+    fn a_window_shows_the_same_places_where_the_whole_picture_has_them() {
+        let view = View::new(camera(), &Lattice::new(6.371e6, 9e3), 128, 1.0);
+        let window = Window { origin: [960, 90], size: [400, 200] };
+        let part = view.through(window);
+        let pixel = |view: &View, place: DVec3| {
+            let clip = Mat4::from_cols_array_2d(&view.gpu.clip) * place.as_vec3().extend(1.0);
+            let [x, y] = [clip.x / clip.w, clip.y / clip.w].map(|c| f64::from(0.5 + 0.5 * c));
+            let at = |k: usize, share: f64| f64::from(view.window.origin[k]) + share * f64::from(view.window.size[k]);
+            [at(0, x), at(1, y)]
+        };
+        let (h, v) = view.camera.half_extents();
+        for (x, y, inside) in [(0.6, 0.4, true), (0.99, 0.7, true), (0.4, 0.4, false), (0.6, 0.8, false), (0.6, 0.1, false)] {
+            let ray = view.camera.forward + view.camera.right() * (h * x) + view.camera.up * (v * y);
+            let (whole, seen) = (pixel(&view, ray * 900.0), pixel(&part, ray * 900.0));
+            assert!((whole[0] - seen[0]).abs() < 1e-2 && (whole[1] - seen[1]).abs() < 1e-2, "{whole:?} {seen:?}");
+            assert_eq!(part.planes.iter().all(|p| p.dot(ray) <= 0.0), inside, "{x} {y}");
+        }
+        let same = view.through(Window::whole(view.camera.size));
+        assert!(same.planes == view.planes && same.gpu == view.gpu);
     }
 }

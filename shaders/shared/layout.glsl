@@ -82,6 +82,7 @@ struct Shading {
     float horizon;
     vec3 sunward;
     vec2 size;
+    vec4 window;
     float ground_albedo;
     float exposure;
     float adaptation;

@@ -29,7 +29,7 @@ pub use tables::FrameTables;
 pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
 
 use crate::scene::Scene;
-use crate::vulkan::{vk, Access, Commands, Context, ImageView, Result};
+use crate::vulkan::{vk, Access, Buffer, Commands, Context, ImageView, Result};
 use air::Air;
 use draw::Draw;
 use edges::Edges;
@@ -70,6 +70,8 @@ pub struct Renderer {
     sky: Sky,
     stars: Stars,
     meter: Meter,
+    /// Whether stars are drawn where there is nothing else.
+    pub starry: bool,
     /// Whether the meter has been read before.
     metered: bool,
     tonemap: Tonemap,
@@ -99,6 +101,7 @@ impl Renderer {
             sky: Sky::new(context)?,
             stars: Stars::new(context)?,
             meter: Meter::new(context)?,
+            starry: true,
             metered: false,
             tonemap: Tonemap::new(context, format)?,
             tiles: Tiles::new(context)?,
@@ -134,6 +137,22 @@ impl Renderer {
         self.buffers.write(tables, &FrameView { shift, ..view.gpu }, &self.shading)
     }
 
+    /// In place of [`Renderer::record_mesh`] after [`Renderer::prepare_again`] with a part of the same view: emits, from the mesh that is
+    /// selected already, the triangles in its window.
+    pub fn record_part(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
+        keep_patches(commands, scene, tables);
+        self.buffers.record_reset(commands)?;
+        commands.barrier(&[Access::TransferWrite], &[Access::ComputeRead, Access::ComputeWrite])?;
+        self.record_emit(commands)
+    }
+
+    fn record_emit(&self, commands: &mut Commands) -> Result<()> {
+        commands.zone("emit", |c| self.emit.record(c, &self.buffers))?;
+        let after = [Access::IndirectRead, Access::IndexRead, Access::GraphicsRead, Access::TransferRead];
+        commands.barrier(&[Access::ComputeWrite], &after)?;
+        self.buffers.record_readback(commands)
+    }
+
     /// In place of [`Renderer::record_mesh`] after [`Renderer::prepare_again`].
     pub fn record_again(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
         keep_patches(commands, scene, tables);
@@ -150,10 +169,7 @@ impl Renderer {
         commands.barrier(between.0, between.1)?;
         commands.zone("resolve", |c| self.resolve.record(c, &self.buffers))?;
         commands.barrier(between.0, between.1)?;
-        commands.zone("emit", |c| self.emit.record(c, &self.buffers))?;
-        let after = [Access::IndirectRead, Access::IndexRead, Access::GraphicsRead, Access::TransferRead];
-        commands.barrier(&[Access::ComputeWrite], &after)?;
-        self.buffers.record_readback(commands)
+        self.record_emit(commands)
     }
 
     /// Records the picture stages into `picture`, which is left in the layout of [`Access::ColorTarget`].
@@ -192,7 +208,7 @@ impl Renderer {
         }
         commands.transition(water, Access::ColorTarget, Access::Sampled)?;
         commands.zone("sky", |c| self.sky.record(c, &self.buffers, targets, air_tables))?;
-        if !look.mode.is_diagram() {
+        if self.starry && !look.mode.is_diagram() {
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
             commands.zone("stars", |c| self.stars.record(c, &self.buffers, targets, air_tables))?;
         }
@@ -207,7 +223,7 @@ impl Renderer {
     /// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
     fn lit(&self, scene: &Scene, view: &View, look: &Look) -> Shading {
         let planet = scene.planet();
-        let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, &view.camera, look);
+        let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, view, look);
         if scene.ground().buries(view.camera.position) {
             shading.exposure = 0.0;
         }
@@ -222,6 +238,11 @@ impl Renderer {
     /// The shading block of the frame that was prepared last.
     pub fn shading(&self) -> &Shading {
         &self.shading
+    }
+
+    /// What the meter said last: a factor on exposure. Wait for the frame first.
+    pub(crate) fn metered_factor(&self) -> &Buffer {
+        self.meter.factor()
     }
 
     /// Counters of the latest frame; wait for it first.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use terrane_planet::layout::{Mode, Shading, NO_SEA};
 use terrane_planet::recipe::{Atmosphere, Recipe};
-use terrane_planet::view::{local_frame, Camera};
+use terrane_planet::view::{local_frame, View};
 use terrane_planet::waves::{total_variance, REPEAT_M};
 
 /// Scale heights of air above the datum that are worth drawing: what is above would be less than a step of 8 bits at the limb.
@@ -36,7 +36,8 @@ pub fn sun_over(place: DVec3, azimuth: f64, elevation: f64) -> DVec3 {
 }
 
 /// Fills the shading block of a frame; `lowest` is the height of the lowest ground above the datum in metres.
-pub fn shading(recipe: &Recipe, lowest: f64, camera: &Camera, look: &Look) -> Shading {
+pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shading {
+    let (camera, [left, top], [width, height]) = (&view.camera, view.window.origin, view.window.size);
     let (h, v) = camera.half_extents();
     let vector = |d: DVec3| d.as_vec3().to_array();
     let colour = |c: [f64; 3]| c.map(|x| x as f32);
@@ -58,6 +59,7 @@ pub fn shading(recipe: &Recipe, lowest: f64, camera: &Camera, look: &Look) -> Sh
         sunward: vector(sunward),
         adaptation: look.metering.unwrap_or(-1.0),
         size: camera.size.map(|s| s as f32),
+        window: [left, top, width, height].map(|s| s as f32),
         anchor: camera.position.to_array().map(|x| x.rem_euclid(REPEAT_M) as f32),
         sea_variance: total_variance() as f32,
         ..Shading::default()

@@ -11,4 +11,5 @@ mod history;
 mod layout;
 mod on_demand;
 mod overflow;
+mod stills;
 mod twins;

@@ -8,4 +8,5 @@ pub mod emit;
 pub mod place;
 pub mod resolve;
 pub mod select;
+pub mod tonemap;
 pub mod work;

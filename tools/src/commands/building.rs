@@ -44,28 +44,40 @@ pub(crate) fn stop_on_signals() -> anyhow::Result<Arc<AtomicBool>> {
 pub(crate) struct Report {
     bar: Option<ProgressBar>,
     name: String,
+    unit: &'static str,
     last_line: Cell<Duration>,
 }
 
 impl Report {
-    /// Progress under a planet's name.
+    /// Progress in patches under a planet's name.
     pub(crate) fn new(name: &str) -> Report {
-        let style = ProgressStyle::with_template("{msg} [{elapsed_precise}] {wide_bar} {pos}/{len} patches, {eta} left");
+        Report::counting(name, "patches")
+    }
+
+    /// Progress under a name, in some unit.
+    pub(crate) fn counting(name: &str, unit: &'static str) -> Report {
+        let template = format!("{{msg}} [{{elapsed_precise}}] {{wide_bar}} {{pos}}/{{len}} {unit}, {{eta}} left");
+        let style = ProgressStyle::with_template(&template);
         let bar = std::io::stderr().is_terminal().then(|| ProgressBar::new(0).with_message(name.to_owned()));
         if let (Some(bar), Ok(style)) = (&bar, style) {
             bar.set_style(style);
         }
-        Report { bar, name: name.to_owned(), last_line: Cell::new(Duration::ZERO) }
+        Report { bar, name: name.to_owned(), unit, last_line: Cell::new(Duration::ZERO) }
     }
 
     /// Shows how far it has come.
     pub(crate) fn show(&self, p: Progress) {
+        self.step(p.built, p.total, p.elapsed);
+    }
+
+    /// Shows how many of how many are done, and after what time.
+    pub(crate) fn step(&self, done: usize, total: usize, elapsed: Duration) {
         if let Some(bar) = &self.bar {
-            bar.set_length(p.total as u64);
-            bar.set_position(p.built as u64);
-        } else if p.elapsed >= self.last_line.get() + LINE_EVERY || p.built == p.total {
-            self.last_line.set(p.elapsed);
-            eprintln!("{}: {}/{} patches, {:.0} s", self.name, p.built, p.total, p.elapsed.as_secs_f64());
+            bar.set_length(total as u64);
+            bar.set_position(done as u64);
+        } else if elapsed >= self.last_line.get() + LINE_EVERY || done == total {
+            self.last_line.set(elapsed);
+            eprintln!("{}: {done}/{total} {}, {:.0} s", self.name, self.unit, elapsed.as_secs_f64());
         }
     }
 

@@ -1,8 +1,11 @@
 //! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], and one line here.
 
 mod building;
+mod film;
 mod paths;
 mod pictures;
+mod radiance;
+mod still;
 mod viewing;
 
 use crate::Outcome;
@@ -38,10 +41,12 @@ commands! {
     compare => Compare,
     edit => Edit,
     fly => Fly,
+    gallery => Gallery,
     gpus => Gpus,
     growth => Growth,
     info => Info,
     mesh => Mesh,
+    record => Record,
     shot => Shot,
     simplify => Simplify,
     study => Study,

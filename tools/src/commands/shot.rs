@@ -1,6 +1,9 @@
 //! `terrane shot`: one still picture.
 
 use super::viewing::{Exposure, CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::building::Report;
+use super::radiance::{write_exr, Taken};
+use super::still::{format_of, StillArguments};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
@@ -8,11 +11,14 @@ use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
 use terrane::frame::STAGES;
-use terrane::headless::{FrameReport, Headless};
 use terrane::scene::Scene;
+use terrane::stills::{PixelFormat, Still, Studio};
+use terrane::vulkan::GpuInfo;
 use terrane_planet::view::View;
 
 /// Render one picture of a planet without a window.
+///
+/// Pictures may be larger than the device's images: they are drawn by tiles of one mesh, selected for the whole picture.
 #[derive(clap::Args)]
 pub(crate) struct Shot {
     /// Planet file.
@@ -25,8 +31,14 @@ pub(crate) struct Shot {
     patches: PatchOptions,
     #[command(flatten)]
     look: LookOptions,
-    /// PNG to write.
-    #[arg(long)]
+    #[command(flatten)]
+    still: StillArguments,
+    /// Bits a channel of a PNG, 8 or 16.
+    #[arg(long, value_name = "BITS")]
+    depth: Option<u8>,
+    /// Picture to write: a .png, encoded for displays; or an .exr, which holds radiance in linear light before exposure as half floats,
+    /// with exposure, camera and sun in its header.
+    #[arg(long, value_name = "x.png|x.exr")]
     out: PathBuf,
     #[command(flatten)]
     gpu: GpuOptions,
@@ -38,6 +50,7 @@ pub(crate) struct Shot {
 impl Run for Shot {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
+        let format = format_of(&self.out, self.depth)?;
         let context = self.gpu.context()?;
         let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
         let camera = self.camera.camera(scene.planet())?;
@@ -45,26 +58,28 @@ impl Run for Shot {
         let look = self.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
         let cut = scene.settle(&view)?;
-        let [width, height] = camera.size;
-        let mut headless = Headless::new(&context, (width, height))?;
+        let mut studio = Studio::new(&context, camera.size, self.still.options(format))?;
         let settled = Instant::now();
-        let report = headless.render(&scene, &view, &cut, &look)?;
+        let report = Report::counting("picture", "tiles");
+        let show = |done, tiles| if tiles > 1 { report.step(done, tiles, settled.elapsed()) };
+        let still = studio.draw(&scene, &view, &cut, &look, &show)?;
+        report.finish();
         let frame_ms = settled.elapsed().as_secs_f64() * 1e3;
-        pictures::write_png(&self.out, camera.size, &headless.pixels()?)
+        let recipe = &scene.planet().recipe;
+        self.write(&still, &Taken { planet: &recipe.name, radius: recipe.radius, camera: &camera, sun: look.sun })
             .with_context(|| format!("cannot write the picture {}", self.out.display()))?;
         let ready_ms = settled.duration_since(begun).as_secs_f64() * 1e3;
         if self.json {
-            let info = context.device_info();
-            println!("{}", summary(&report, info, &self.out, frame_ms, ready_ms, &scene));
+            println!("{}", self.summary(&still, context.device_info(), frame_ms, ready_ms, &scene));
         } else {
             println!(
                 "{}: {} patches ({} of {} on the GPU built), {} awake vertices, {} triangles, {frame_ms:.0} ms",
                 self.out.display(),
-                report.tables.patches.len(),
+                still.report.tables.patches.len(),
                 scene.tally().built,
                 scene.resident_count(),
-                report.counters.awake,
-                report.counters.wanted
+                still.report.counters.awake,
+                still.report.counters.wanted
             );
         }
         self.gpu.report_messages(&context)?;
@@ -72,23 +87,29 @@ impl Run for Shot {
     }
 }
 
-fn summary(
-    report: &FrameReport,
-    gpu: &terrane::vulkan::GpuInfo,
-    out: &std::path::Path,
-    frame_ms: f64,
-    ready_ms: f64,
-    scene: &Scene,
-) -> serde_json::Value {
-    let stages: serde_json::Map<_, _> =
-        STAGES.iter().filter_map(|stage| Some(((*stage).to_owned(), json!(report.times.ms(stage)?)))).collect();
-    json!({
-        "picture": out, "device": gpu.name, "driver": gpu.driver, "driver_info": gpu.driver_info,
-        "patches": report.tables.patches.len(), "awake_vertices": report.counters.awake,
-        "prefix_vertices": report.tables.vertices, "candidate_triangles": report.tables.triangles,
-        "triangles": report.counters.wanted, "dropped_triangles": report.counters.wanted.saturating_sub(report.counters.capacity),
-        "patches_read": scene.tally().read, "patches_built": scene.tally().built, "build_s": scene.tally().build_s,
-        "resident_patches": scene.resident_count(), "patch_bytes_on_gpu": scene.gpu_bytes().0, "patch_bytes_on_host": scene.host_bytes().0, "settled": scene.is_settled(),
-        "stages_gpu_ms": stages, "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,
-    })
+impl Shot {
+    fn write(&self, still: &Still, taken: &Taken) -> anyhow::Result<()> {
+        let alpha = self.still.transparent_sky;
+        match format_of(&self.out, self.depth)? {
+            PixelFormat::Radiance => write_exr(&self.out, still, alpha, taken),
+            PixelFormat::Eight | PixelFormat::Sixteen => pictures::write_still(&self.out, still, alpha),
+        }
+    }
+
+    fn summary(&self, still: &Still, gpu: &GpuInfo, frame_ms: f64, ready_ms: f64, scene: &Scene) -> serde_json::Value {
+        let report = &still.report;
+        let stages: serde_json::Map<_, _> =
+            STAGES.iter().filter_map(|stage| Some(((*stage).to_owned(), json!(report.times.ms(stage)?)))).collect();
+        json!({
+            "picture": self.out, "size": still.size, "tiles": still.tiles, "ssaa": self.still.ssaa, "exposure": still.exposure,
+            "device": gpu.name, "driver": gpu.driver, "driver_info": gpu.driver_info,
+            "patches": report.tables.patches.len(), "awake_vertices": report.counters.awake,
+            "prefix_vertices": report.tables.vertices, "candidate_triangles": report.tables.triangles,
+            "triangles": report.counters.wanted, "dropped_triangles": still.dropped_triangles,
+            "patches_read": scene.tally().read, "patches_built": scene.tally().built, "build_s": scene.tally().build_s,
+            "resident_patches": scene.resident_count(), "patch_bytes_on_gpu": scene.gpu_bytes().0,
+            "patch_bytes_on_host": scene.host_bytes().0, "settled": scene.is_settled(),
+            "stages_gpu_ms": stages, "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,
+        })
+    }
 }

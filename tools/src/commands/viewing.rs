@@ -148,7 +148,7 @@ fn default_pitch(radius: f64, altitude: f64, fov: f64) -> f64 {
 }
 
 /// How the mesh follows the view.
-#[derive(clap::Args, Clone, Copy)]
+#[derive(clap::Args, Clone, Copy, Debug)]
 pub(crate) struct MeshOptions {
     /// Let vertices jump into their places when they wake, instead of sliding there.
     #[arg(long)]
@@ -227,7 +227,7 @@ impl PatchOptions {
 }
 
 /// What is drawn.
-#[derive(clap::ValueEnum, Clone, Copy)]
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
 enum ModeOption {
     Shaded,
     Wire,
@@ -238,7 +238,7 @@ enum ModeOption {
 }
 
 /// How the picture looks.
-#[derive(clap::Args, Clone)]
+#[derive(clap::Args, Clone, Debug)]
 pub(crate) struct LookOptions {
     /// What is drawn.
     #[arg(long, value_enum, default_value = "shaded")]

@@ -1,0 +1,183 @@
+//! Still pictures of any size: by tiles, supersampled, of 8 or 16 bits or as radiance.
+//!
+//! In: a settled scene, a view and its cut. Out: [`Still`]. All tiles show one mesh, selected for the whole picture, through windows of one
+//! camera: the tolerance counts in pixels of the picture, and no seam shows.
+
+mod develop;
+mod tiles;
+
+pub use develop::Pixels;
+
+use crate::frame::Look;
+use crate::headless::{FrameReport, Headless};
+use crate::scene::{Scene, SceneError};
+use crate::vulkan::Context;
+use develop::Developer;
+use half::f16;
+use std::sync::Arc;
+use terrane_planet::reference::cut::Cut;
+use terrane_planet::view::{View, Window};
+
+/// Side in pixels of the largest tile unless told otherwise: 150 MB of images.
+pub const TILE: u32 = 2048;
+
+/// Least and most side of a tile.
+pub const TILE_RANGE: (u32, u32) = (64, 8192);
+
+/// Samples a pixel in each direction, at most.
+pub const MOST_SSAA: u32 = 4;
+
+/// Most pixels a side of the picture that exposure is metered in before one is drawn by tiles.
+const METERED_SIDE: u32 = 1024;
+
+/// What the pixels of a picture are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PixelFormat {
+    /// Display values of 8 bits, dithered.
+    Eight,
+    /// Display values of 16 bits.
+    Sixteen,
+    /// Radiance as half floats.
+    Radiance,
+}
+
+/// How a picture is made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct StillOptions {
+    /// Samples a pixel in each direction, from 1 to [`MOST_SSAA`].
+    pub ssaa: u32,
+    /// Most pixels of a tile's side, samples counted, within [`TILE_RANGE`].
+    pub tile: u32,
+    /// What the pixels are.
+    pub format: PixelFormat,
+    /// Whether alpha is 0 where there is neither ground nor sea nor air; in the air alone it is the share of light that does not pass.
+    /// Without it alpha is 1 everywhere.
+    pub transparent: bool,
+}
+
+impl Default for StillOptions {
+    fn default() -> StillOptions {
+        StillOptions { ssaa: 1, tile: TILE, format: PixelFormat::Eight, transparent: false }
+    }
+}
+
+/// A picture and what it took.
+pub struct Still {
+    /// Width and height.
+    pub size: [u32; 2],
+    /// The pixels.
+    pub pixels: Pixels,
+    /// Factor from radiance to display.
+    pub exposure: f32,
+    /// The frame; times are the sums over all tiles.
+    pub report: FrameReport,
+    /// Triangles that did not fit into the index buffer, over all tiles.
+    pub dropped_triangles: u64,
+    /// How many tiles there were.
+    pub tiles: usize,
+}
+
+/// Draws pictures of one size, one after the other.
+pub struct Studio {
+    headless: Headless,
+    /// Width and height of what is drawn at once, in samples.
+    raster: (u32, u32),
+    windows: Vec<Window>,
+    size: [u32; 2],
+    options: StillOptions,
+}
+
+impl Studio {
+    /// Pipelines and targets for pictures of a size.
+    pub fn new(context: &Arc<Context>, size: [u32; 2], options: StillOptions) -> Result<Studio, SceneError> {
+        let options = StillOptions {
+            ssaa: options.ssaa.clamp(1, MOST_SSAA),
+            tile: options.tile.clamp(TILE_RANGE.0, TILE_RANGE.1).min(context.limits().max_image_dimension2_d),
+            ..options
+        };
+        let windows = tiles::windows(size, options.ssaa, options.tile);
+        let [width, height] = windows[0].size.map(|side| side * options.ssaa);
+        let mut headless = Headless::new(context, (width, height))?;
+        headless.renderer.starry = !options.transparent;
+        Ok(Studio { headless, raster: (width, height), windows, size, options })
+    }
+
+    /// Draws a picture of a view of this size. `progress` is told how many tiles of how many are done.
+    pub fn draw(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        cut: &Cut,
+        look: &Look,
+        progress: &dyn Fn(usize, usize),
+    ) -> Result<Still, SceneError> {
+        let count = 4 * self.size[0] as usize * self.size[1] as usize;
+        let mut pixels = match self.options.format {
+            PixelFormat::Eight => Pixels::Eight(vec![0; count]),
+            PixelFormat::Sixteen => Pixels::Sixteen(vec![0; count]),
+            PixelFormat::Radiance => Pixels::Radiance(vec![f16::ZERO; count]),
+        };
+        let whole = self.windows.len() == 1;
+        let look = &if whole { *look } else { self.metered(scene, view, cut, look)? };
+        let mut report = match whole {
+            true => self.headless.render(scene, view, cut, look)?,
+            false => self.headless.select_seen(scene, view, cut, look)?,
+        };
+        let mut dropped_triangles = if whole { dropped(&report.counters) } else { 0 };
+        for (done, window) in self.windows.iter().enumerate() {
+            if !whole {
+                let (times, counters) = self.headless.render_part(scene, &view.through(*window), &report.tables, look)?;
+                report.times.zones.extend(times.zones);
+                report.times.wall_ms += times.wall_ms;
+                dropped_triangles += dropped(&counters);
+            }
+            self.take(window, look, &mut pixels)?;
+            progress(done + 1, self.windows.len());
+        }
+        let exposure = self.headless.exposure()?;
+        Ok(Still { size: self.size, pixels, exposure, report, dropped_triangles, tiles: self.windows.len() })
+    }
+
+    /// The look with its exposure fixed at what a small picture of the whole view asks for: tiles metered by themselves would differ.
+    fn metered(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<Look, SceneError> {
+        if look.metering.is_none() {
+            return Ok(*look);
+        }
+        let larger = self.size[0].max(self.size[1]).div_ceil(METERED_SIDE);
+        let [width, height] = self.size.map(|side| side.div_ceil(larger));
+        self.headless.resize((width, height))?;
+        self.headless.render(scene, view, cut, look)?;
+        let exposure = self.headless.exposure()?;
+        self.headless.resize(self.raster)?;
+        Ok(Look { exposure, metering: None, ..*look })
+    }
+
+    /// Fills a window's pixels from what was drawn last.
+    fn take(&self, window: &Window, look: &Look, pixels: &mut Pixels) -> Result<(), SceneError> {
+        let StillOptions { ssaa, transparent, .. } = self.options;
+        match pixels {
+            // What windows show.
+            Pixels::Eight(all) if ssaa == 1 && !transparent => place(&self.headless.pixels()?, window, all, self.size),
+            _ => {
+                let exposure = self.headless.exposure()?;
+                let developer = Developer { mode: look.mode, exposure, ssaa, transparent, picture: self.size };
+                developer.develop(&self.headless.radiance()?, window, pixels);
+            }
+        }
+        Ok(())
+    }
+}
+
+fn dropped(counters: &terrane_planet::layout::EmitState) -> u64 {
+    u64::from(counters.wanted.saturating_sub(counters.capacity))
+}
+
+/// Copies a tile to its place.
+fn place(tile: &[u8], window: &Window, all: &mut [u8], picture: [u32; 2]) {
+    let [left, top, width] = [window.origin[0], window.origin[1], window.size[0]].map(|n| n as usize);
+    let seen = 4 * width.min(picture[0] as usize - left);
+    let rows = all.chunks_exact_mut(4 * picture[0] as usize).skip(top);
+    for (row, from) in rows.zip(tile.chunks_exact(4 * width)) {
+        row[4 * left..][..seen].copy_from_slice(&from[..seen]);
+    }
+}

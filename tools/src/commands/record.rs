@@ -1,0 +1,185 @@
+//! `terrane record`: a camera path as numbered pictures or as a film.
+
+use super::building::{stop_on_signals, Report};
+use super::film::{container, Film};
+use super::paths::load_path;
+use super::still::StillArguments;
+use super::viewing::{camera_over, picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::{pictures, Run};
+use crate::Outcome;
+use anyhow::{bail, ensure, Context as _};
+use serde_json::{json, Value};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::Ordering;
+use std::time::Instant;
+use terrane::frame::Look;
+use terrane::scene::Scene;
+use terrane::stills::{PixelFormat, Studio};
+use terrane_planet::camera_path::CameraPath;
+use terrane_planet::sphere::direction_at;
+use terrane_planet::view::{View, TOLERANCE_RANGE};
+
+/// What the pictures in a folder were recorded with.
+const NOTES: &str = "record.json";
+
+/// Most frames of one recording: six digits.
+const MOST_FRAMES: f64 = 999_999.0;
+
+/// Record a camera path: every frame complete, at equal steps of time.
+///
+/// A path is a JSON list of keyframes {time_s, latitude, longitude, altitude_m, heading, pitch, fov}: see `terrane bench`. A folder gets
+/// one PNG a frame; frames that are there already are kept, so an interrupted recording goes on where it stopped. A film is made by
+/// ffmpeg, which must be installed, and starts anew each time.
+#[derive(clap::Args)]
+pub(crate) struct Record {
+    /// Planet file.
+    file: PathBuf,
+    /// Keyframes: a JSON file, or `descent`, `flyover` or `plunge`, which come with the command.
+    #[arg(long, value_name = "PATH.json|NAME")]
+    path: PathBuf,
+    /// Frames a second, 0.1 to 240.
+    #[arg(long, value_name = "F", default_value_t = 30.0)]
+    fps: f64,
+    /// Folder for 000001.png, 000002.png and so on; or a film, x.mp4 (H.264) or x.webm (VP9).
+    #[arg(long, value_name = "FOLDER|x.mp4|x.webm")]
+    out: PathBuf,
+    /// Picture size in pixels, sides from 16 to 16384; even for films.
+    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = picture_size)]
+    size: [u32; 2],
+    /// Largest error of the mesh in pixels, 0.05 to 64.
+    #[arg(long, value_name = "PX", default_value_t = 1.0)]
+    error: f64,
+    #[command(flatten)]
+    still: StillArguments,
+    #[command(flatten)]
+    mesh: MeshOptions,
+    #[command(flatten)]
+    patches: PatchOptions,
+    #[command(flatten)]
+    look: LookOptions,
+    #[command(flatten)]
+    gpu: GpuOptions,
+    /// Print one JSON object.
+    #[arg(long)]
+    json: bool,
+}
+
+/// What became of a recording.
+#[derive(Default)]
+struct Tally {
+    frames: usize,
+    drawn: usize,
+    kept: usize,
+    interrupted: bool,
+}
+
+impl Run for Record {
+    fn run(self) -> anyhow::Result<Outcome> {
+        let begun = Instant::now();
+        let (least, most) = TOLERANCE_RANGE;
+        ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
+        ensure!((0.1..=240.0).contains(&self.fps), "--fps: {} is not within 0.1 and 240 frames a second", self.fps);
+        let path = load_path(&self.path)?;
+        let (first, last) = path.span();
+        let frames = ((last - first) * self.fps).floor() + 1.0;
+        ensure!(frames <= MOST_FRAMES, "--fps: {frames} frames, expected at most {MOST_FRAMES}; choose fewer a second");
+        let stop = stop_on_signals()?;
+        let mut film = self.film(&path)?;
+        let context = self.gpu.context()?;
+        let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
+        let look = self.look_along(&scene, &path);
+        scene.set_sun(look.sun);
+        let mut studio = Studio::new(&context, self.size, self.still.options(PixelFormat::Eight))?;
+        let report = Report::counting(&self.out.display().to_string(), "frames");
+        let mut tally = Tally { frames: frames as usize, ..Tally::default() };
+        for number in 1..=tally.frames {
+            if stop.load(Ordering::Relaxed) {
+                tally.interrupted = true;
+                break;
+            }
+            if film.has(number) {
+                tally.kept += 1;
+            } else {
+                let stand = path.at(first + (number - 1) as f64 / self.fps);
+                let planet = scene.planet();
+                let camera = camera_over(planet, &stand, self.size);
+                let view = self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), planet);
+                let cut = scene.settle(&view)?;
+                film.add(number, &studio.draw(&scene, &view, &cut, &look, &|_, _| ())?)?;
+                tally.drawn += 1;
+            }
+            report.step(number, tally.frames, begun.elapsed());
+        }
+        report.finish();
+        film.finish()?;
+        self.print(&tally, begun.elapsed().as_secs_f64(), &context.device_info().name);
+        self.gpu.report_messages(&context)?;
+        Ok(if tally.interrupted { Outcome::Interrupted } else { Outcome::Done })
+    }
+}
+
+impl Record {
+    /// Where the frames go. Fails before anything is drawn if they cannot.
+    fn film(&self, path: &CameraPath) -> anyhow::Result<Film> {
+        if container(&self.out).is_some() {
+            ensure!(!self.still.transparent_sky, "--transparent-sky: films have no alpha; record a folder of pictures");
+            return Film::encoder(&self.out, self.size, self.fps);
+        }
+        if let Some(extension) = self.out.extension() {
+            let named = extension.to_string_lossy();
+            ensure!(self.out.is_dir(), "--out: a .{named} is neither a film (.mp4, .webm) nor a folder that exists");
+        }
+        let film = Film::folder(&self.out, self.still.transparent_sky)?;
+        self.check_notes(&self.out.join(NOTES), path)?;
+        Ok(film)
+    }
+
+    /// Refuses to go on with pictures that were recorded otherwise.
+    fn check_notes(&self, notes: &Path, path: &CameraPath) -> anyhow::Result<()> {
+        let ours = json!({
+            "planet": self.file, "path": format!("{path:?}"), "fps": self.fps, "size": self.size, "tolerance_px": self.error,
+            "still": format!("{:?}", self.still), "mesh": format!("{:?}", self.mesh), "look": format!("{:?}", self.look),
+        });
+        if !notes.exists() {
+            let text = serde_json::to_string_pretty(&ours)? + "\n";
+            return pictures::write_whole(notes, text.as_bytes()).with_context(|| format!("cannot write {}", notes.display()));
+        }
+        let text = std::fs::read_to_string(notes).with_context(|| format!("cannot read {}", notes.display()))?;
+        let theirs: Value = serde_json::from_str(&text).with_context(|| format!("{} is damaged; delete it", notes.display()))?;
+        for (key, value) in ours.as_object().into_iter().flatten() {
+            if theirs.get(key) != Some(value) {
+                bail!(
+                    "{}: the frames there were recorded with another {key} ({}, now {value}); choose another folder, or empty this one",
+                    notes.display(),
+                    theirs.get(key).unwrap_or(&Value::Null)
+                );
+            }
+        }
+        Ok(())
+    }
+
+    /// The look of the whole path: the sun stands still, as seen from where the path ends.
+    fn look_along(&self, scene: &Scene, path: &CameraPath) -> Look {
+        let end = path.at(path.span().1);
+        self.look.look(&scene.planet().recipe, direction_at(end.latitude, end.longitude), Exposure::Fixed(1.0))
+    }
+
+    fn print(&self, tally: &Tally, seconds: f64, device: &str) {
+        let Tally { frames, drawn, kept, interrupted } = *tally;
+        if self.json {
+            let summary = json!({
+                "out": self.out, "frames": frames, "drawn": drawn, "kept": kept, "interrupted": interrupted, "fps": self.fps,
+                "size": self.size, "ssaa": self.still.ssaa, "seconds": seconds, "device": device,
+            });
+            println!("{summary}");
+            return;
+        }
+        println!("{}: {drawn} of {frames} frames drawn, {kept} there before, {seconds:.1} s", self.out.display());
+        if interrupted {
+            match container(&self.out) {
+                Some(_) => println!("interrupted: the film ends after {drawn} frames"),
+                None => println!("interrupted: the same command goes on from here"),
+            }
+        }
+    }
+}
