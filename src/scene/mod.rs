@@ -292,6 +292,11 @@ impl Scene {
 
     /// Updates until everything the view wants is resident (or nothing more fits), and returns the final cut.
     pub fn settle(&mut self, view: &View) -> Result<Cut, SceneError> {
+        self.settle_showing(view, &mut |_, _| ())
+    }
+
+    /// [`Scene::settle`], telling now and then how many patches are on the GPU, and how many more are asked for so far.
+    pub fn settle_showing(&mut self, view: &View, show: &mut dyn FnMut(usize, usize)) -> Result<Cut, SceneError> {
         self.full_at = None;
         loop {
             let cut = self.update(view, usize::MAX)?;
@@ -301,7 +306,7 @@ impl Scene {
                 }
                 return Ok(cut);
             }
-            tracing::debug!(wanted = cut.wanted.len(), resident = self.resident.len(), "settling");
+            show(self.resident.len(), self.loader.awaited());
             let arrived = self.loader.wait(Duration::from_secs(60))?;
             self.upload(arrived)?;
         }

@@ -57,7 +57,9 @@ impl Run for Shot {
         let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error), scene.planet());
         let look = self.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
-        let cut = scene.settle(&view)?;
+        let waiting = Report::counting("patches", "so far");
+        let cut = scene.settle_showing(&view, &mut |there, to_come| waiting.step(there, there + to_come, begun.elapsed()))?;
+        waiting.finish();
         let mut studio = Studio::new(&context, camera.size, self.still.options(format))?;
         let settled = Instant::now();
         let report = Report::counting("picture", "tiles");
