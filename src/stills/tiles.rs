@@ -8,10 +8,11 @@ const STEP: u32 = 2;
 /// The windows of a picture in rows from the top, all of one size, so that none has more than `most` pixels a side where each of them
 /// is drawn `ssaa` times as wide and high. The last ones reach beyond the picture where they do not divide it. One is the whole picture.
 pub(super) fn windows(picture: [u32; 2], ssaa: u32, most: u32) -> Vec<Window> {
-    let most = (most / ssaa.max(1) / STEP * STEP).max(STEP);
+    let most = most / ssaa.max(1);
     if picture.iter().all(|&side| side <= most) {
         return vec![Window::whole(picture)];
     }
+    let most = (most / STEP * STEP).max(STEP);
     let counts = picture.map(|side| side.div_ceil(most));
     let size = [0, 1].map(|k| picture[k].div_ceil(counts[k]).next_multiple_of(STEP));
     let rows = (0..picture[1]).step_by(size[1] as usize);
