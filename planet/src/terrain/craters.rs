@@ -54,6 +54,10 @@ struct Class {
     depth_m: f64,
     /// How complex the craters are: 0 bowls, 1 flat floors with central peaks.
     complex: f32,
+    /// Height of the shield that the crater tops, over its depth; 0 for none.
+    shield: f32,
+    /// One over the shield's radius, in rim radii.
+    per_foot: f32,
     /// Seed of the noise along rays.
     streaks: u32,
 }
@@ -82,13 +86,17 @@ impl Class {
         let ratio = diameter_m / recipe.complex_m;
         // Depth grows as D up to the transition, then as D^(1/4).
         let shallow = (1.0 + ratio).sqrt() * (1.0 + ratio).sqrt().sqrt();
+        let depth_m = recipe.depth * diameter_m / shallow;
+        let shield_m = recipe.shield_m * diameter_m / recipe.largest_m;
         Self {
             lattice: Lattice::new(seed, turn, cell_m),
             radius: planet_m / cell_m,
             per_metre: 1.0 / planet_m,
             per_rim2: ((recipe.reach / REACH) * (recipe.reach / REACH)) as f32,
             threshold: (density.clamp(0.0, 1.0) * 65536.0) as u32,
-            depth_m: recipe.depth * diameter_m / shallow,
+            depth_m,
+            shield: if shield_m > 0.0 { (shield_m / depth_m.max(1.0)) as f32 } else { 0.0 },
+            per_foot: (1.0 / recipe.reach) as f32,
             complex: (ratio - 0.7).clamp(0.0, 1.0) as f32,
             streaks: mix(seed ^ 77) as u32,
         }
@@ -132,11 +140,22 @@ impl Class {
         let ejecta = RIM * far * far * far;
         let foot = (1.0 - t * 30.0).max(0.0);
         let peak = self.complex * 0.45 * foot * foot;
-        if t < 1.0 {
-            bowl + peak
+        let crater = if t < 1.0 { bowl + peak } else { ejecta };
+        if self.shield > 0.0 {
+            crater + self.shield * self.flank(t)
         } else {
-            ejecta
+            crater
         }
+    }
+
+    /// Height of a shield volcano, 1 at the top: slopes that steepen upwards a little, and a scarp at their foot.
+    #[inline(always)]
+    fn flank(&self, t: f32) -> f32 {
+        const SCARP: f32 = 0.16;
+        let top = 1.0 - self.per_foot;
+        let up = (1.0 - t.max(1.0).sqrt() * self.per_foot).max(0.0) * (1.0 / top);
+        let scarp = (up * 14.0).min(1.0);
+        SCARP * scarp * scarp * (3.0 - 2.0 * scarp) + (1.0 - SCARP) * up * (0.8 + 0.2 * up)
     }
 
     /// Sums craters over all lanes. Where the chunk spans few cells their sites are drawn once for all lanes; else each
@@ -151,7 +170,7 @@ impl Class {
             self.add_each(turned, &mut sum);
         }
         for i in 0..LANES {
-            out[i] += sum[i].clamp(-1.3, 0.7) * (self.depth_m as f32 * mask[i]);
+            out[i] += sum[i].clamp(-1.3, 0.7 + self.shield) * (self.depth_m as f32 * mask[i]);
         }
     }
 
@@ -377,7 +396,8 @@ impl Craters {
 
     pub(crate) fn range(&self) -> (f64, f64) {
         let depth: f64 = self.classes.iter().map(|c| c.depth_m).sum();
-        (-1.3 * depth, 0.7 * depth)
+        let shields: f64 = self.classes.iter().map(|c| f64::from(c.shield) * c.depth_m).sum();
+        (-1.3 * depth, 0.7 * depth + shields)
     }
 }
 
@@ -397,6 +417,7 @@ mod tests {
             complex_m: 1e8,
             reach: 2.0,
             rays: 0.0,
+            shield_m: 0.0,
             basins: false,
             above_m: [-3e5, -2e5],
             below: 0.0,
