@@ -99,6 +99,8 @@ pub struct Craters {
     pub reach: f64,
     /// Brightness of rays in the albedo (0 to 1; default 0).
     pub rays: f64,
+    /// How far craters are bent out of round, in metres (0 to a quarter of `largest_m`; default 0).
+    pub warp_m: f64,
     /// Height of shield volcanoes that the largest craters top, out to `reach`, in metres (0 to 100000; default 0: none).
     pub shield_m: f64,
     /// Whether the craters are part of the base elevation, as basins are (default false).
@@ -278,6 +280,7 @@ impl Craters {
             complex_m: reader.number_or("complex_m", 1.0..=1e8, 1e8)?,
             reach,
             rays: reader.number_or("rays", UNIT, 0.0)?,
+            warp_m: reader.number_or("warp_m", 0.0..=0.25 * largest_m, 0.0)?,
             shield_m: reader.number_or("shield_m", METRES, 0.0)?,
             basins: reader.flag("basins")?,
             above_m: read_above(reader)?,

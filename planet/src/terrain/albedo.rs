@@ -184,10 +184,10 @@ impl Terrain {
         }
         for i in 0..LANES {
             let (patch, thicket, tuft) = (noises.patch[i], noises.thicket[i], noises.tuft[i]);
-            let ground = mixed(mare, highland, old.at(base[i] + 200.0 * patch));
+            let ground = mixed(mare, highland, old.at(base[i] + 330.0 * patch + 220.0 * noises.climate[i]));
             // Steep ground sheds its dark, weathered skin.
-            let fresh = rays[i].min(1.0).max(0.35 * STEEP.at(site.slope[i]));
-            let light = 1.0 + 0.07 * noises.climate[i] + 0.07 * patch + 0.04 * thicket + 0.06 * tuft;
+            let fresh = rays[i].min(1.0).max(0.55 * STEEP.at(site.slope[i]));
+            let light = 1.0 + 0.10 * noises.climate[i] + 0.10 * patch + 0.04 * thicket + 0.06 * tuft;
             put(out, i, mixed(ground, ray, fresh), light);
         }
     }
@@ -219,6 +219,10 @@ struct Paints {
 /// What decides the colour of dry land, each from 0 to 1.
 struct Ground {
     arid: f32,
+    /// 1 in the wet tropics, 0 from the middle latitudes on.
+    tropical: f32,
+    /// 1 where winters are long.
+    boreal: f32,
     wooded: f32,
     wet: f32,
     alpine: f32,
@@ -272,28 +276,34 @@ impl Paints {
 
     #[inline(always)]
     fn ground(&self, [sine, height, slope]: [f32; 3], [climate, patch, thicket, tuft, _]: [f32; 5]) -> Ground {
-        const ARID: Ramp = Ramp::new([0.12, 0.48]);
+        const ARID: Ramp = Ramp::new([0.08, 0.56]);
         const WOODED: Ramp = Ramp::new([0.0, 0.55]);
         const WET: Ramp = Ramp::new([-0.45, 0.25]);
+        const BOREAL: Ramp = Ramp::new([0.72, 0.95]);
         const TREE_LINE: Ramp = Ramp::new([-500.0, 150.0]);
         const ALPINE: Ramp = Ramp::new([-500.0, 500.0]);
-        const SNOW: Ramp = Ramp::new([-250.0, 350.0]);
+        const SNOW: Ramp = Ramp::new([-180.0, 260.0]);
         // Dry belts near 24 degrees, wet about the equator and from 45 degrees on.
         let off = (sine - 0.41) * (1.0 / 0.24);
         let belt = (1.0 - off * off).max(-0.7);
         let dry = 0.42 * belt - 0.95 * climate + 0.12 * patch - 0.04;
         let cold = sine * self.per_polar_sine;
-        let line = self.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 250.0 * patch + 60.0 * thicket;
+        // Thickets are small and dense in one landscape, and hardly there in the next.
+        let clump = thicket * (0.55 + 1.3 * patch).clamp(0.1, 1.3);
+        let line = self.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 420.0 * patch + 150.0 * thicket;
         let height = height + 12.0 * tuft;
         let over_trees = height - (line - self.tree_drop_m);
-        let woods = 0.3 - 1.3 * dry + 0.75 * patch + 0.3 * thicket + 0.2 * tuft + 0.8 * (slope - 0.1).min(0.4);
+        let woods = 0.3 - 1.3 * dry + 0.75 * patch + 0.35 * clump + 0.2 * tuft + 1.0 * (slope - 0.1).min(0.4);
         let steep = slope * (1.0 + 0.25 * thicket + 0.3 * tuft);
         Ground {
             arid: ARID.at(dry),
-            wooded: WOODED.at(woods) * (1.0 - TREE_LINE.at(over_trees)),
+            tropical: (1.0 - sine * 2.2).max(0.0),
+            boreal: BOREAL.at(cold),
+            wooded: WOODED.at(woods) * (1.0 - TREE_LINE.at(over_trees + 250.0 * thicket + 600.0 * slope)),
             wet: WET.at(-dry + 0.3 * thicket),
             alpine: ALPINE.at(over_trees),
-            snow: SNOW.at(height - line) * (1.0 - self.bare.at(steep)),
+            // Steep ground holds snow from higher up.
+            snow: SNOW.at(height - line + 40.0 * tuft - 500.0 * slope) * (1.0 - self.bare.at(steep)),
             rocky: self.rocky.at(steep),
         }
     }
@@ -301,14 +311,22 @@ impl Paints {
     #[inline(always)]
     fn land(&self, ground: &Ground, above: f32, [climate, patch, thicket, tuft, strata]: [f32; 5]) -> Rgb {
         const WORN: Ramp = Ramp::new([0.1, 0.8]);
-        const STONY: Ramp = Ramp::new([-0.7, 1.0]);
+        const STONY: Ramp = Ramp::new([-0.45, 0.6]);
         const INLAND: Ramp = Ramp::new([0.4, 1.0]);
         const THIN: Ramp = Ramp::new([0.0, 0.7]);
         let grass = mixed(self.dry, self.lush, ground.wet);
-        let meadow = mixed(grass, self.forest, ground.wooded * 0.9);
-        // Clearings, worn ground and dead grass, from hundreds of metres down to tufts.
-        let meadow = mixed(meadow, self.dry, 0.4 * WORN.at(0.6 * thicket + 0.7 * tuft));
-        let sand = mixed(self.desert, self.badland, 0.75 * STONY.at(0.5 * patch + 0.7 * climate + 0.25 * thicket));
+        let [warm, cool] = [ground.tropical, ground.boreal];
+        // Rain forest is greener, taiga darker and bluer.
+        let trees = [1.0 - 0.12 * warm - 0.2 * cool, 1.0 + 0.12 * warm - 0.12 * cool, 1.0 - 0.15 * warm];
+        let trees = axes(|k| self.forest[k] * trees[k]);
+        let meadow = mixed(grass, trees, ground.wooded * 0.9);
+        // Clearings, worn ground and dead grass, from hundreds of metres down to tufts, least in wet woods.
+        let worn = WORN.at(0.6 * thicket + 0.7 * tuft) * (0.45 + 0.9 * patch).clamp(0.08, 0.6);
+        let meadow = mixed(meadow, self.dry, worn * (1.0 - 0.6 * ground.wooded * ground.wet));
+        // Sand, red stone, and dark gravel plains between them.
+        let stony = STONY.at(0.9 * patch + 0.45 * climate + 0.25 * thicket + 0.25);
+        let gravel = (1.0 - (patch + 0.35 * climate + 0.1).abs() * 3.2 + 0.4 * thicket).clamp(0.0, 0.55);
+        let sand = mixed(mixed(self.desert, self.badland, 0.85 * stony), self.rock, gravel);
         let soil = mixed(mixed(meadow, sand, ground.arid), self.tundra, ground.alpine * (1.0 - 0.5 * ground.arid));
         let shore = 1.0 - INLAND.at(above * self.per_beach_m + 0.25 * thicket + 0.1 * tuft);
         let soil = mixed(soil, self.beach, shore);

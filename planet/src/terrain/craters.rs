@@ -6,7 +6,7 @@
 //! within a class follow a power law (Melosh 1989, chapters V and X, for shapes and distribution).
 
 use super::noise::{mix, nearest, noise_at, Lattice, PRIMES};
-use super::octaves::{any_above_zero, Ramp};
+use super::octaves::{any_above_zero, Ramp, Warp};
 use super::points::{axes, Lane, Points, Turned, WideLane, LANES};
 use crate::recipe;
 
@@ -35,6 +35,8 @@ fn cells_between(from: [u32; 3], counts: [u32; 3]) -> impl Iterator<Item = [u32;
 /// One layer of craters.
 pub(crate) struct Craters {
     classes: Vec<Class>,
+    /// Takes the circle out of large craters.
+    warp: Option<Warp>,
     above: Ramp,
     recipe: recipe::Craters,
 }
@@ -270,8 +272,10 @@ impl Class {
         let halo = 1.0 / (1.0 + t * 0.3);
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-6);
         // Noise of the offset's direction is constant along rays from the centre.
-        let streak = (noise_at(self.streaks ^ site, axes(|k| v[k] / length * 4.0)) * 3.0).clamp(0.0, 1.0);
+        let streak = (noise_at(self.streaks ^ site, axes(|k| v[k] / length * 6.0)) * 3.2 - 0.2).clamp(0.0, 1.0);
         let fresh = (site >> 24) as i32 as f32 * (1.0 / 255.0);
+        // Rays fade long before the relief does: few craters have bright ones.
+        let fresh = fresh * fresh;
         fade * (halo + streak * (0.35 + 0.65 * fade)) * fresh * 1.3 * presence
     }
 
@@ -345,7 +349,8 @@ fn scramble(h: u32) -> u32 {
 /// How much of its first relief a crater still has.
 #[inline(always)]
 fn freshness(site: u32) -> f32 {
-    0.25 + (site >> 24) as i32 as f32 * (0.75 / 255.0)
+    let young = (site >> 24) as i32 as f32 * (1.0 / 255.0);
+    0.15 + young * (0.25 + 0.6 * young)
 }
 
 impl Craters {
@@ -357,7 +362,8 @@ impl Craters {
             diameter *= 0.5;
             density *= recipe.growth;
         }
-        Self { classes, above: Ramp::new(recipe.above_m), recipe: recipe.clone() }
+        let warp = Warp::new(mix(seed ^ 55), recipe.largest_m * 0.6, recipe.warp_m, 4);
+        Self { classes, warp, above: Ramp::new(recipe.above_m), recipe: recipe.clone() }
     }
 
     #[inline(always)]
@@ -370,7 +376,8 @@ impl Craters {
         if !any_above_zero(&mask) {
             return None;
         }
-        let mut own = [0.0; LANES];
+        let (mut room, mut own) = (None, [0.0; LANES]);
+        let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         for class in &self.classes {
             class.add(p, &mask, &mut own);
         }
@@ -389,6 +396,8 @@ impl Craters {
             return;
         }
         let reach2 = (self.recipe.reach * self.recipe.reach) as f32;
+        let mut room = None;
+        let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         for class in &self.classes {
             class.add_rays(p, reach2, self.recipe.rays as f32, bright);
         }
@@ -418,6 +427,7 @@ mod tests {
             reach: 2.0,
             rays: 0.0,
             shield_m: 0.0,
+            warp_m: 0.0,
             basins: false,
             above_m: [-3e5, -2e5],
             below: 0.0,

@@ -4,6 +4,7 @@
 use super::albedo::{mixed, put, rgb, ColourLanes, Noises, Rgb, Site};
 use super::angles::sin_cos;
 use super::noise::{mix, noise_at};
+use super::dunes::Dunes;
 use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{Lane, Points, LANES};
 use super::Terrain;
@@ -92,9 +93,9 @@ impl Terrain {
     #[inline(always)]
     fn dune_cover(&self, p: &Points) -> Lane {
         let mut cover = [0.0; LANES];
-        if self.dunes().next().is_some() {
+        if self.dunes().any(Dunes::coloured) {
             let base = self.compose(p, None);
-            for mask in self.dunes().filter_map(|dunes| dunes.mask(p, &base)) {
+            for mask in self.dunes().filter(|dunes| dunes.coloured()).filter_map(|dunes| dunes.mask(p, &base)) {
                 for i in 0..LANES {
                     cover[i] = mask[i].max(cover[i]);
                 }
@@ -112,7 +113,7 @@ impl Terrain {
         let (mut ice, mut x, mut y) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
             (x[i], y[i]) = ((p.place[0][i] * per_axis) as f32, (p.place[1][i] * per_axis) as f32);
-            let ragged = 0.22 * noises.climate[i] + 0.07 * noises.patch[i] + 0.01 * noises.thicket[i];
+            let ragged = 0.25 * noises.climate[i] + 0.16 * noises.patch[i] + 0.008 * noises.thicket[i];
             ice[i] = EDGE.at(1.0 - (x[i] * x[i] + y[i] * y[i]).sqrt() + ragged);
         }
         if !any_above_zero(&ice) {
@@ -138,8 +139,8 @@ impl Paints {
         const HIGH: Ramp = Ramp::new([2000.0, 9000.0]);
         const PALE: Ramp = Ramp::new([-0.2, 0.9]);
         // High ground is out of reach of sand, and covered by dust.
-        let swept = 0.95 * climate + 0.5 * streak + 0.18 * patch + 0.06 * thicket + 0.04 * tuft - 0.8 * HIGH.at(site.height[i]);
+        let swept = 0.95 * climate + 0.6 * streak + 0.28 * patch + 0.06 * thicket + 0.04 * tuft - 0.8 * HIGH.at(site.height[i]);
         let dust = mixed(self.dust, self.strata, 0.45 * PALE.at(0.5 * patch - 0.7 * streak + 0.3 * thicket));
-        mixed(dust, self.sand, 0.92 * self.dark.at(swept))
+        mixed(dust, self.sand, self.dark.at(swept) * (0.8 + 0.25 * patch + 0.3 * streak).clamp(0.3, 1.0))
     }
 }

@@ -10,6 +10,9 @@ use crate::recipe;
 /// Share of a dune's width that faces the wind.
 const WINDWARD: f32 = 0.76;
 
+/// Dunes whose crests are closer than this are ripples, in metres.
+const RIPPLES_M: f64 = 50.0;
+
 /// One field of dunes.
 pub(crate) struct Dunes {
     /// The orientation whose first axis is the wind.
@@ -64,6 +67,11 @@ impl Dunes {
             mask[i] *= LEVEL.at(1.0 - facing * facing);
         }
         Some(mask)
+    }
+
+    /// Whether these are dunes with sand of their own colour; ripples are of the ground's.
+    pub(crate) fn coloured(&self) -> bool {
+        self.per_metre * RIPPLES_M < 1.0
     }
 
     pub(crate) fn range(&self) -> (f64, f64) {
