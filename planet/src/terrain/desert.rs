@@ -3,8 +3,8 @@
 
 use super::albedo::{mixed, put, rgb, ColourLanes, Noises, Rgb, Site};
 use super::angles::sin_cos;
-use super::noise::{mix, noise_at};
 use super::dunes::Dunes;
+use super::noise::{mix, noise_at};
 use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{Lane, Points, LANES};
 use super::Terrain;
@@ -82,7 +82,8 @@ impl Terrain {
         };
         for i in 0..LANES {
             let own = [noises.climate[i], noises.patch[i], noises.thicket[i], noises.tuft[i], streaks[i]];
-            let soil = mixed(paints.soil(site, i, own), paints.dune, 0.75 * dunes[i]);
+            let (soil, dark) = paints.soil(site, i, own);
+            let soil = mixed(soil, paints.dune, (0.3 + 0.6 * dark) * dunes[i]);
             let steep = site.slope[i] * (1.0 + 0.2 * own[2] + 0.2 * own[3]);
             let ground = mixed(soil, mixed(paints.rock, paints.strata, noises.strata[i]), paints.rocky.at(steep));
             let light = 1.0 + 0.05 * own[0] + 0.07 * own[1] + 0.05 * own[2] + 0.09 * own[3];
@@ -108,7 +109,7 @@ impl Terrain {
     #[inline(always)]
     fn ice(&self, winds: &Winds, p: &Points, noises: &Noises) -> Lane {
         const EDGE: Ramp = Ramp::new([-0.035, 0.035]);
-        const TROUGH: Ramp = Ramp::new([0.25, 0.06]);
+        const TROUGH: Ramp = Ramp::new([0.13, 0.03]);
         let per_axis = winds.per_edge / self.radius;
         let (mut ice, mut x, mut y) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
@@ -124,23 +125,26 @@ impl Terrain {
             // Turned by an angle that grows with the distance: a turn of tangent t has cosine (1 - t²) / (1 + t²).
             let turn = SPIRAL * out;
             let (cosine, sine, per) = (1.0 - turn * turn, 2.0 * turn, 1.0 / ((1.0 + turn * turn) * out));
-            let arm = [(x[i] * cosine - y[i] * sine) * per * 2.6, (x[i] * sine + y[i] * cosine) * per * 2.6, out * 2.2];
+            let arm = [(x[i] * cosine - y[i] * sine) * per * 3.4, (x[i] * sine + y[i] * cosine) * per * 3.4, out * 2.2];
             let trough = TROUGH.at(noise_at(winds.troughs, arm).abs() + 0.06 * noises.patch[i]);
-            ice[i] *= 1.0 - 0.7 * trough * (out * 4.0).min(1.0);
+            ice[i] *= 1.0 - 0.6 * trough * (out * 4.0).min(1.0);
         }
         ice
     }
 }
 
 impl Paints {
-    /// Dust and dark sand.
+    /// Dust and dark sand, and how dark it is, 0 to 1.
     #[inline(always)]
-    fn soil(&self, site: &Site, i: usize, [climate, patch, thicket, tuft, streak]: [f32; 5]) -> Rgb {
+    fn soil(&self, site: &Site, i: usize, [climate, patch, thicket, tuft, streak]: [f32; 5]) -> (Rgb, f32) {
         const HIGH: Ramp = Ramp::new([2000.0, 9000.0]);
-        const PALE: Ramp = Ramp::new([-0.2, 0.9]);
+        const PALE: Ramp = Ramp::new([-0.1, 0.8]);
+        const RUDDY: Ramp = Ramp::new([-0.1, 0.7]);
         // High ground is out of reach of sand, and covered by dust.
         let swept = 0.95 * climate + 0.6 * streak + 0.28 * patch + 0.06 * thicket + 0.04 * tuft - 0.8 * HIGH.at(site.height[i]);
-        let dust = mixed(self.dust, self.strata, 0.45 * PALE.at(0.5 * patch - 0.7 * streak + 0.3 * thicket));
-        mixed(dust, self.sand, self.dark.at(swept) * (0.8 + 0.25 * patch + 0.3 * streak).clamp(0.3, 1.0))
+        let dust = mixed(self.dust, self.strata, 0.75 * PALE.at(0.5 * patch - 0.8 * streak - 0.5 * climate + 0.3 * thicket));
+        let dust = mixed(dust, self.rock, 0.5 * RUDDY.at(climate + 0.6 * streak - 0.3 * patch + 0.2 * thicket));
+        let dark = self.dark.at(swept) * (0.8 + 0.25 * patch + 0.3 * streak).clamp(0.3, 1.0);
+        (mixed(dust, self.sand, dark), dark)
     }
 }
