@@ -4,7 +4,7 @@
 use super::angles::sin_cos;
 use super::desert::Winds;
 use super::noise::{mix, noise_at};
-use super::octaves::{Fractal, Ramp};
+use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{axes, Lane, Points, LANES};
 use super::{GroundPoint, Terrain};
 use crate::recipe::{Airless, Colour, Living, Octaves, Palette};
@@ -49,16 +49,20 @@ impl Tints {
         }
     }
 
-    /// Bands of rock by height, 0 to 1; beds lie a little uneven.
+    /// Bands of rock by height, 0 to 1, on ground that is steep enough to show any; beds lie a little uneven.
     #[inline(always)]
     fn strata(&self, site: &Site, patch: &Lane) -> Lane {
+        const SHOWN: Ramp = Ramp::new([0.24, 0.42]);
         let (seed, per_metre) = self.strata;
-        let mut bands = [0.0; LANES];
+        let mut bands = SHOWN.lanes(&site.slope);
+        if !any_above_zero(&bands) {
+            return bands;
+        }
         for i in 0..LANES {
             let level = site.height[i] * per_metre + 1.5 * patch[i];
             let thick = noise_at(seed, [level * 0.23, level * 0.11, patch[i]]);
             let thin = noise_at(seed ^ 1, [level, 0.37 * level, 0.3 * patch[i]]);
-            bands[i] = (0.5 + 1.1 * thick + 1.0 * thin).clamp(0.0, 1.0);
+            bands[i] *= (0.5 + 1.1 * thick + 1.0 * thin).clamp(0.0, 1.0);
         }
         bands
     }
@@ -324,9 +328,9 @@ impl Paints {
         let worn = WORN.at(0.6 * thicket + 0.7 * tuft) * (0.45 + 0.9 * patch).clamp(0.08, 0.6);
         let meadow = mixed(meadow, self.dry, worn * (1.0 - 0.6 * ground.wooded * ground.wet));
         // Sand, red stone, and dark gravel plains between them.
-        let stony = STONY.at(0.9 * patch + 0.45 * climate + 0.25 * thicket + 0.25);
-        let gravel = (1.0 - (patch + 0.35 * climate + 0.1).abs() * 3.2 + 0.4 * thicket).clamp(0.0, 0.55);
-        let sand = mixed(mixed(self.desert, self.badland, 0.85 * stony), self.rock, gravel);
+        let stony = STONY.at(0.6 * patch + 0.6 * climate + 0.25 * thicket + 0.3);
+        let gravel = (1.0 - (patch + 0.35 * climate + 0.1).abs() * 3.2 + 0.4 * thicket).clamp(0.0, 0.4);
+        let sand = mixed(mixed(self.desert, self.badland, 0.7 * stony), self.rock, gravel);
         let soil = mixed(mixed(meadow, sand, ground.arid), self.tundra, ground.alpine * (1.0 - 0.5 * ground.arid));
         let shore = 1.0 - INLAND.at(above * self.per_beach_m + 0.25 * thicket + 0.1 * tuft);
         let soil = mixed(soil, self.beach, shore);
