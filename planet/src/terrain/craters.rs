@@ -362,7 +362,7 @@ impl Craters {
             diameter *= 0.5;
             density *= recipe.growth;
         }
-        let warp = Warp::new(mix(seed ^ 55), recipe.largest_m * 0.6, recipe.warp_m, 4).map(|w| w.along_sphere(planet_m));
+        let warp = Warp::new(mix(seed ^ 55), recipe.largest_m * 0.6, recipe.warp_m, 2).map(|w| w.along_sphere(planet_m));
         Self { classes, warp, above: Ramp::new(recipe.above_m), recipe: recipe.clone() }
     }
 
