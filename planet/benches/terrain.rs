@@ -8,7 +8,7 @@ use criterion::{criterion_group, criterion_main, Criterion, Throughput};
 use terrane_planet::ground::HeightGrid;
 
 fn heights(criterion: &mut Criterion) {
-    for name in ["terra", "luna"] {
+    for name in ["terra", "luna", "mars"] {
         let planet = planet(name);
         let ground = planet.ground();
         let mut group = criterion.benchmark_group(name);

@@ -39,11 +39,14 @@ fn brute(planet: &Planet, up: DVec3, sun: DVec3, cell: f64) -> f64 {
     most
 }
 
+/// A place in Luna's highlands: in a mare a sun of any azimuth sees the same horizon.
+const CRATERED: [f64; 2] = [-20.0, -60.0];
+
 /// Differences of the map from the brute force over patches of a planet, sorted; `turn` turns the sun that the map is made for.
 fn differences(planet: &Planet, turn: f64) -> Vec<f64> {
     let (grids, mut differences) = (WideGrids::default(), Vec::new());
     for (k, level) in [6u8, 9, 12].into_iter().enumerate() {
-        let id = PatchId::containing(direction_at(36.62, 106.05), level);
+        let id = PatchId::containing(direction_at(CRATERED[0], CRATERED[1]), level);
         let azimuth = 1.0 + k as f64;
         let map = HorizonMap::new(&planet.ground(), &grids, id, low_sun(id.centre(), azimuth + turn));
         let sun = low_sun(id.centre(), azimuth);

@@ -36,7 +36,7 @@ fn assert_refused(text: &str, parts: &[&str]) {
 
 #[test]
 fn shipped_recipe_does_not_parse() {
-    for name in ["terra.toml", "luna.toml", "tiny.toml"] {
+    for name in ["terra.toml", "luna.toml", "mars.toml", "tiny.toml"] {
         let recipe = Recipe::load(&shipped(name)).unwrap_or_else(|e| panic!("{e}"));
         assert!(!recipe.layers.is_empty() && recipe.assets.is_empty());
         let again = Recipe::from_parts(&recipe.text, &recipe.name, recipe.assets.clone()).unwrap();
@@ -109,6 +109,31 @@ fn out_of_range_is_accepted() {
     assert_refused(&sea, &["t.toml:5", "`sea.shallow`", "3 values"]);
     assert_refused(&format!("{HEAD}{PALETTE}").replace("[0, 1]", "[1, 0]"), &["`palette.mare_m`", "first below"]);
     assert_refused(&with_layer("kind = \"lava\""), &["t.toml:5", "`layer[0].kind`", "\"lava\"", "plains"]);
+}
+
+#[test]
+fn wrong_canyons_dunes_or_desert_are_accepted() {
+    let canyons = "kind = \"canyons\"\nwavelength_m = 50\ngain = 0.5\ndepth_m = 3\nwidth = 0.3\nregion_m = 500";
+    parse(&with_layer(canyons)).unwrap();
+    assert_refused(
+        &with_layer(&canyons.replace("0.3", "1.5")),
+        &["t.toml:9", "`layer[0].width`", "float 1.5", "from 0.02 to 0.9"],
+    );
+    assert_refused(&with_layer(&canyons.replace("depth_m = 3\n", "")), &["`layer[0].depth_m`", "found nothing"]);
+    assert_refused(&with_layer(&format!("{canyons}\nroundness = 1")), &["`layer[0].roundness`", "unknown key", "ledges"]);
+    let dunes = "kind = \"dunes\"\nwavelength_m = 50\namplitude_m = 3\nregion_m = 500";
+    parse(&with_layer(dunes)).unwrap();
+    assert_refused(&with_layer(&dunes.replace("= 50\n", "= 0\n")), &["t.toml:6", "`layer[0].wavelength_m`", "integer 0"]);
+    assert_refused(&with_layer(&format!("{dunes}\ngain = 0.5")), &["`layer[0].gain`", "unknown key", "cover"]);
+    let craters = "kind = \"craters\"\nlargest_m = 500\nsmallest_m = 10\nwarp_m = 200";
+    assert_refused(&with_layer(craters), &["t.toml:8", "`layer[0].warp_m`", "integer 200", "to 125"]);
+    let continents = "kind = \"continents\"\nwavelength_m = 50\ngain = 0.5\nprofile = [[0, 0], [1, 5]]\nnorth = 3";
+    assert_refused(&with_layer(continents), &["`layer[0].north`", "integer 3", "from -2 to 2"]);
+    let desert = "[palette]\nkind = \"desert\"\ndust = [1, 2, 3]\nsand = [1, 2, 3]\ndune = [1, 2, 3]\nrock = [1, 2, 3]\n\
+                  strata = [1, 2, 3]\nice = [1, 2, 3]\nice_deg = 80\nrock_slope = [0, 1]\nclimate_m = 500\npatch_m = 500\n";
+    parse(&format!("{HEAD}{desert}")).unwrap();
+    assert_refused(&format!("{HEAD}{}", desert.replace("= 80", "= 0")), &["`palette.ice_deg`", "integer 0", "from 1 to 90"]);
+    assert_refused(&format!("{HEAD}{desert}snow = [1, 2, 3]\n"), &["`palette.snow`", "unknown key", "sand_cover"]);
 }
 
 #[test]

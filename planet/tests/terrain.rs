@@ -8,7 +8,7 @@ use std::path::Path;
 use terrane_planet::recipe::{Asset, Recipe};
 use terrane_planet::terrain::{GroundPoint, Terrain};
 
-const SHIPPED: [&str; 3] = ["terra", "luna", "tiny"];
+const SHIPPED: [&str; 4] = ["terra", "luna", "mars", "tiny"];
 
 fn recipe(name: &str) -> Recipe {
     Recipe::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("recipes/{name}.toml"))).unwrap()
@@ -58,7 +58,7 @@ fn slices_change_the_bits() {
 #[test]
 fn close_points_share_craters_wrongly() {
     // Neighbours share crater sites; single points do not: rows of 128 at several spacings must agree with points.
-    for name in ["luna", "tiny"] {
+    for name in ["luna", "mars", "tiny"] {
         let (recipe, terrain) = (recipe(name), terrain(name));
         for (place, spacing) in spread(12).into_iter().flat_map(|d| [0.3, 4.0, 70.0, 900.0].map(|s| (d, s))) {
             let along = place.any_orthonormal_vector() * (spacing / recipe.radius);
@@ -167,6 +167,102 @@ fn ground_jumps_between_neighbours() {
             assert!(step < 0.02, "{name}: {step} m over a millimetre at {d}");
         }
     }
+}
+
+/// A planet of 50 km with one layer, and a desert's colours.
+fn dry(layer: &str) -> Terrain {
+    let text = format!(
+        "name = \"T\"\nradius_m = 50000.0\nseed = 1\n[[layer]]\n{layer}\n[palette]\nkind = \"desert\"\ndust = [190, 130, 80]\n\
+         sand = [90, 70, 50]\ndune = [0, 0, 255]\nrock = [120, 80, 60]\nstrata = [170, 130, 90]\nice = [230, 230, 230]\n\
+         ice_deg = 80\nsand_cover = 0.0\nrock_slope = [0.5, 0.9]\nclimate_m = 30000\npatch_m = 5000\n"
+    );
+    Terrain::new(&Recipe::from_parts(&text, "t.toml", Vec::new()).unwrap()).unwrap()
+}
+
+const CANYONS: &str =
+    "kind = \"canyons\"\nwavelength_m = 20000\ndetail_m = 500\ngain = 0.5\ndepth_m = 900\nwidth = 0.6\nwall = 0.3\n\
+                       region_m = 60000\ncover = 1.0";
+const DUNES: &str = "kind = \"dunes\"\nwavelength_m = 400\namplitude_m = 30\nregion_m = 60000\ncover = 1.0";
+
+#[test]
+fn canyons_have_no_floor_or_rise_above_the_ground() {
+    let ground = heights(&dry(CANYONS), &spread(20_000));
+    let share = |of: &dyn Fn(f64) -> bool| ground.iter().filter(|&&h| of(h)).count() as f64 / ground.len() as f64;
+    assert!(ground.iter().all(|&h| (-900.001..=0.0).contains(&h)));
+    assert!(share(&|h| h == 0.0) > 0.3, "rims");
+    assert!(share(&|h| h < -899.0) > 0.05, "floors");
+    assert!(share(&|h| (-700.0..-200.0).contains(&h)) > 0.03, "walls");
+}
+
+#[test]
+fn dunes_are_not_steeper_behind() {
+    // From crest to crest: the way up is longer than the way down, whichever way the wind blows.
+    let terrain = dry(DUNES);
+    let (mut longest, mut crests) = (0.0_f64, 0);
+    for d in spread(300) {
+        for across in [d.any_orthonormal_vector(), d.cross(d.any_orthonormal_vector())] {
+            let row: Vec<DVec3> = (0..200).map(|i| (d + across * (f64::from(i) * 10.0 / 50_000.0)).normalize()).collect();
+            let rises: Vec<f64> = heights(&terrain, &row).windows(2).map(|w| w[1] - w[0]).collect();
+            let steepest = |sign: f64| rises.iter().map(|r| r * sign).fold(0.0, f64::max);
+            let (up, down) = (steepest(1.0), steepest(-1.0));
+            if up.min(down) > 0.5 {
+                longest = longest.max(up.max(down) / up.min(down));
+                crests += 1;
+            }
+        }
+    }
+    assert!(crests > 200 && longest > 2.5, "{crests} rows across dunes, slopes differ by {longest} at most");
+}
+
+#[test]
+fn dunes_keep_the_colour_of_the_ground() {
+    let blue = |layer: &str| {
+        let terrain = dry(layer);
+        let ground = |&direction: &DVec3| GroundPoint { direction, height: 0.0, slope: 0.0 };
+        let points: Vec<GroundPoint> = spread(300).iter().filter(|d| d.z.abs() < 0.7).map(ground).collect();
+        let mut colours = vec![[0; 3]; points.len()];
+        terrain.albedo(&points, &mut colours);
+        colours.iter().map(|c| u32::from(c[2])).sum::<u32>() / colours.len() as u32
+    };
+    let ripples = DUNES.replace("= 400", "= 10");
+    assert!(blue(DUNES) > blue(&ripples) + 20, "{} and {}", blue(DUNES), blue(&ripples));
+}
+
+#[test]
+fn poles_of_a_desert_have_no_ice() {
+    let terrain = dry(DUNES);
+    let white = |z: f64| {
+        let points: Vec<GroundPoint> = spread(4000)
+            .into_iter()
+            .filter(|d| (d.z - z).abs() < 0.01)
+            .map(|direction| GroundPoint { direction, height: 0.0, slope: 0.0 })
+            .collect();
+        let mut colours = vec![[0; 3]; points.len()];
+        terrain.albedo(&points, &mut colours);
+        colours.iter().filter(|c| c[2] > 170 && c[0] > 170).count() as f64 / colours.len() as f64
+    };
+    assert!(white(0.99) > 0.4 && white(-0.99) > 0.4, "{} {}", white(0.99), white(-0.99));
+    assert_eq!(white(0.3), 0.0);
+}
+
+#[test]
+fn shield_volcano_has_no_flanks() {
+    let layer = "kind = \"craters\"\nlargest_m = 2500\nsmallest_m = 2500\nreach = 10\nshield_m = 2000\ndepth = 0.1";
+    let (with, without) = (dry(layer), dry(&layer.replace("2000", "0")));
+    let share = |terrain: &Terrain, above: f64| heights(terrain, &spread(4000)).iter().filter(|&&h| h > above).count();
+    assert!(share(&with, 100.0) > 150 && share(&without, 100.0) < 40, "{} {}", share(&with, 100.0), share(&without, 100.0));
+    let (low, high) = with.height_range();
+    assert!(heights(&with, &spread(20_000)).iter().all(|h| (low..=high).contains(h)));
+}
+
+#[test]
+fn north_of_mars_is_not_low() {
+    let (terrain, places) = (terrain("mars"), spread(4000));
+    let mean = |sign: f64| {
+        let half: Vec<DVec3> = places.iter().copied().filter(|d| d.z * sign > 0.4).collect();
+        heights(&terrain, &half).iter().sum::<f64>() / half.len() as f64
+    };
+    assert!(mean(-1.0) - mean(1.0) > 2500.0, "{} and {}", mean(1.0), mean(-1.0));
 }
 
 #[test]

@@ -2,13 +2,14 @@
 //! Out: a checked [`Layer`]. What each layer looks like is in `recipes/README.md`.
 
 use super::error::RecipeError;
+use super::landform::{Canyons, Dunes};
 use super::reader::Reader;
 use std::ops::RangeInclusive;
 
-const METRES: RangeInclusive<f64> = 0.0..=100_000.0;
+pub(super) const METRES: RangeInclusive<f64> = 0.0..=100_000.0;
 /// Longest and shortest wavelength of a noise octave, in metres. 0.25 m on the largest radius keeps cells below 2^30.
-const WAVELENGTH: RangeInclusive<f64> = 0.25..=1e8;
-const UNIT: RangeInclusive<f64> = 0.0..=1.0;
+pub(super) const WAVELENGTH: RangeInclusive<f64> = 0.25..=1e8;
+pub(super) const UNIT: RangeInclusive<f64> = 0.0..=1.0;
 
 /// A run of noise octaves, each half (nearly) as long as the one before.
 #[derive(Clone, Debug)]
@@ -32,6 +33,8 @@ pub struct Continents {
     pub profile: Vec<[f64; 2]>,
     /// Height of mid-ocean ridges above the floor, in metres (0 to 100000; default 0). They fade out above -2000 m.
     pub ridge_m: f64,
+    /// Noise added at the north pole, and taken at the south pole (-2 to 2; default 0): below 0 the north lies low.
+    pub north: f64,
 }
 
 /// Mountain ranges: ridged multifractal in a warped domain, along the zero lines of a range noise.
@@ -96,6 +99,10 @@ pub struct Craters {
     pub reach: f64,
     /// Brightness of rays in the albedo (0 to 1; default 0).
     pub rays: f64,
+    /// How far craters are bent out of round, in metres (0 to a quarter of `largest_m`; default 0).
+    pub warp_m: f64,
+    /// Height of shield volcanoes that the largest craters top, out to `reach`, in metres (0 to 100000; default 0: none).
+    pub shield_m: f64,
     /// Whether the craters are part of the base elevation, as basins are (default false).
     pub basins: bool,
     /// Base elevations over which craters fade in, in metres.
@@ -170,13 +177,17 @@ pub enum Layer {
     Plains(Plains),
     /// Impact craters.
     Craters(Craters),
+    /// Valleys with walls.
+    Canyons(Canyons),
+    /// Dunes and ripples.
+    Dunes(Dunes),
     /// A heightfield file.
     Heightmap(Heightmap),
 }
 
 impl Layer {
     pub(crate) fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
-        let kinds = "a layer kind: continents, mountains, hills, plains, craters, heightmap";
+        let kinds = "a layer kind: continents, mountains, hills, plains, craters, canyons, dunes, heightmap";
         let kind = reader.string("kind", kinds)?;
         let layer = match kind.as_str() {
             "continents" => Self::Continents(Continents::read(reader)?),
@@ -184,6 +195,8 @@ impl Layer {
             "hills" => Self::Hills(Hills::read(reader)?),
             "plains" => Self::Plains(Plains::read(reader)?),
             "craters" => Self::Craters(Craters::read(reader, radius)?),
+            "canyons" => Self::Canyons(Canyons::read(reader)?),
+            "dunes" => Self::Dunes(Dunes::read(reader)?),
             "heightmap" => Self::Heightmap(Heightmap::read(reader, radius)?),
             other => return Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
         };
@@ -193,7 +206,7 @@ impl Layer {
 }
 
 impl Octaves {
-    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+    pub(super) fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
         let wavelength_m = reader.number("wavelength_m", WAVELENGTH)?;
         let detail_m = reader.number_or("detail_m", *WAVELENGTH.start()..=wavelength_m, wavelength_m.min(1.0))?;
         Ok(Self { wavelength_m, detail_m, gain: reader.number("gain", 0.2..=0.8)? })
@@ -201,7 +214,7 @@ impl Octaves {
 }
 
 /// Everywhere, where the key is missing: no base elevation is this low.
-fn read_above(reader: &Reader<'_>) -> Result<[f64; 2], RecipeError> {
+pub(super) fn read_above(reader: &Reader<'_>) -> Result<[f64; 2], RecipeError> {
     if reader.has("above_m") {
         reader.span("above_m", -1e5..=1e5)
     } else {
@@ -216,6 +229,7 @@ impl Continents {
             warp_m: reader.number_or("warp_m", 0.0..=1e7, 0.0)?,
             profile: reader.rising_pairs("profile")?,
             ridge_m: reader.number_or("ridge_m", METRES, 0.0)?,
+            north: reader.number_or("north", -2.0..=2.0, 0.0)?,
         })
     }
 }
@@ -266,6 +280,8 @@ impl Craters {
             complex_m: reader.number_or("complex_m", 1.0..=1e8, 1e8)?,
             reach,
             rays: reader.number_or("rays", UNIT, 0.0)?,
+            warp_m: reader.number_or("warp_m", 0.0..=0.25 * largest_m, 0.0)?,
+            shield_m: reader.number_or("shield_m", METRES, 0.0)?,
             basins: reader.flag("basins")?,
             above_m: read_above(reader)?,
             below: reader.number_or("below", UNIT, 0.0)?,

@@ -4,6 +4,7 @@
 mod atmosphere;
 mod edit;
 mod error;
+mod landform;
 mod layer;
 mod palette;
 mod reader;
@@ -11,8 +12,9 @@ mod reader;
 pub use atmosphere::Atmosphere;
 pub use edit::{Edit, EditRange, Shape};
 pub use error::RecipeError;
+pub use landform::{Canyons, Dunes};
 pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
-pub use palette::{Airless, Colour, Living, Palette};
+pub use palette::{Airless, Colour, Desert, Living, Palette};
 
 use crate::sun::EARTH_TILT;
 use reader::{Reader, Source};

@@ -63,6 +63,35 @@ pub struct Airless {
     pub patch_m: f64,
 }
 
+/// Colours of a dry world with thin air: dust, sand, rock, polar ice.
+#[derive(Clone, Debug)]
+pub struct Desert {
+    /// Bright dust that covers most of the ground.
+    pub dust: Colour,
+    /// Dark sand, in broad patches and streaks.
+    pub sand: Colour,
+    /// Dunes of the `dunes` layers.
+    pub dune: Colour,
+    /// Bare rock on slopes.
+    pub rock: Colour,
+    /// Paler beds in that rock, and pale dust.
+    pub strata: Colour,
+    /// Ice about the poles.
+    pub ice: Colour,
+    /// Latitude of the edge of the ice, in degrees (1 to 90; 90: none).
+    pub ice_deg: f64,
+    /// Share of the planet under dark sand, about (0 to 1; default 0.3).
+    pub sand_cover: f64,
+    /// Thickness of strata, in metres (0.1 to 1e5; default 40).
+    pub strata_m: f64,
+    /// Slopes (tangent of the angle) over which dust gives way to rock.
+    pub rock_slope: [f64; 2],
+    /// Size of the regions of dark sand, in metres.
+    pub climate_m: f64,
+    /// Size of the largest colour patches within them, in metres.
+    pub patch_m: f64,
+}
+
 /// Ground colours.
 #[derive(Clone, Debug)]
 pub enum Palette {
@@ -70,15 +99,18 @@ pub enum Palette {
     Living(Box<Living>),
     /// A world without air.
     Airless(Airless),
+    /// A dry world with thin air.
+    Desert(Box<Desert>),
 }
 
 impl Palette {
     pub(crate) fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
-        let kinds = "a palette kind: living, airless";
+        let kinds = "a palette kind: living, airless, desert";
         let kind = reader.string("kind", kinds)?;
         let palette = match kind.as_str() {
             "living" => Self::Living(Box::new(Living::read(reader)?)),
             "airless" => Self::Airless(Airless::read(reader)?),
+            "desert" => Self::Desert(Box::new(Desert::read(reader)?)),
             other => return Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
         };
         reader.finish()?;
@@ -122,6 +154,25 @@ impl Airless {
             mare: colour(reader, "mare")?,
             ray: colour(reader, "ray")?,
             mare_m: reader.span("mare_m", -1e5..=1e5)?,
+            patch_m: reader.number("patch_m", 100.0..=1e8)?,
+        })
+    }
+}
+
+impl Desert {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        Ok(Self {
+            dust: colour(reader, "dust")?,
+            sand: colour(reader, "sand")?,
+            dune: colour(reader, "dune")?,
+            rock: colour(reader, "rock")?,
+            strata: colour(reader, "strata")?,
+            ice: colour(reader, "ice")?,
+            ice_deg: reader.number("ice_deg", 1.0..=90.0)?,
+            sand_cover: reader.number_or("sand_cover", 0.0..=1.0, 0.3)?,
+            strata_m: reader.number_or("strata_m", 0.1..=1e5, 40.0)?,
+            rock_slope: reader.span("rock_slope", 0.0..=100.0)?,
+            climate_m: reader.number("climate_m", 100.0..=1e8)?,
             patch_m: reader.number("patch_m", 100.0..=1e8)?,
         })
     }

@@ -2,8 +2,9 @@
 //! slope. Out: sRGB-encoded albedo. Deterministic like the heights: textures are part of a patch's bytes.
 
 use super::angles::sin_cos;
-use super::noise::mix;
-use super::octaves::{Fractal, Ramp};
+use super::desert::Winds;
+use super::noise::{mix, noise_at};
+use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{axes, Lane, Points, LANES};
 use super::{GroundPoint, Terrain};
 use crate::recipe::{Airless, Colour, Living, Octaves, Palette};
@@ -18,8 +19,12 @@ pub(crate) struct Tints {
     thicket: Fractal,
     /// Stones and tufts: tens of metres to one or two.
     tuft: Fractal,
+    /// Seed and thickness in metres of rock strata.
+    strata: (u32, f32),
     /// Sine of the latitude where the snow line reaches 0 m.
     polar_sine: f64,
+    /// What only a desert has.
+    winds: Option<Winds>,
 }
 
 impl Tints {
@@ -27,52 +32,82 @@ impl Tints {
         let (climate_m, patch_m, polar_deg) = match palette {
             Palette::Living(l) => (l.climate_m, l.patch_m, l.polar_deg),
             Palette::Airless(a) => (a.patch_m * 8.0, a.patch_m, 90.0),
+            Palette::Desert(d) => (d.climate_m, d.patch_m, 90.0),
+        };
+        let (strata_m, winds) = match palette {
+            Palette::Desert(d) => (d.strata_m, Some(Winds::new(seed, d))),
+            Palette::Living(_) | Palette::Airless(_) => (STRATA_M, None),
         };
         Self {
             climate: Fractal::few(mix(seed ^ 11), climate_m, 6),
             patch: Fractal::new(mix(seed ^ 12), &Octaves { wavelength_m: patch_m, detail_m: 900.0_f64.min(patch_m), gain: 0.68 }),
             thicket: Fractal::few(mix(seed ^ 13), 700.0, 5),
             tuft: Fractal::new(mix(seed ^ 14), &Octaves { wavelength_m: 22.0, detail_m: 0.7, gain: 0.64 }),
+            strata: (mix(seed ^ 15) as u32, (1.0 / strata_m) as f32),
             polar_sine: sin_cos(polar_deg).0,
+            winds,
         }
+    }
+
+    /// Bands of rock by height, 0 to 1, on ground that is steep enough to show any; beds lie a little uneven.
+    #[inline(always)]
+    fn strata(&self, site: &Site, patch: &Lane) -> Lane {
+        const SHOWN: Ramp = Ramp::new([0.24, 0.42]);
+        let (seed, per_metre) = self.strata;
+        let mut bands = SHOWN.lanes(&site.slope);
+        if !any_above_zero(&bands) {
+            return bands;
+        }
+        for i in 0..LANES {
+            let level = site.height[i] * per_metre + 1.5 * patch[i];
+            let thick = noise_at(seed, [level * 0.23, level * 0.11, patch[i]]);
+            let thin = noise_at(seed ^ 1, [level, 0.37 * level, 0.3 * patch[i]]);
+            bands[i] *= (0.5 + 1.1 * thick + 1.0 * thin).clamp(0.0, 1.0);
+        }
+        bands
     }
 }
 
+/// Thickness of strata where the palette says nothing, in metres.
+const STRATA_M: f64 = 45.0;
+
 /// The noises of a chunk.
-struct Noises {
-    climate: Lane,
-    patch: Lane,
-    thicket: Lane,
-    tuft: Lane,
+pub(super) struct Noises {
+    pub(super) climate: Lane,
+    pub(super) patch: Lane,
+    pub(super) thicket: Lane,
+    pub(super) tuft: Lane,
+    /// Bands of rock, 0 to 1.
+    pub(super) strata: Lane,
 }
 
 /// What is known of the ground of a chunk besides its noises.
-struct Site {
+pub(super) struct Site {
     /// Absolute sine of the latitude.
     sine: Lane,
     /// Metres above the datum.
-    height: Lane,
+    pub(super) height: Lane,
     /// Metres above the sea.
     above: Lane,
-    slope: Lane,
+    pub(super) slope: Lane,
 }
 
 /// A colour for every lane, one array a channel.
-type ColourLanes = [Lane; 3];
+pub(super) type ColourLanes = [Lane; 3];
 
-type Rgb = [f32; 3];
+pub(super) type Rgb = [f32; 3];
 
-fn rgb(colour: Colour) -> Rgb {
+pub(super) fn rgb(colour: Colour) -> Rgb {
     axes(|k| colour[k] as f32)
 }
 
 #[inline(always)]
-fn mixed(a: Rgb, b: Rgb, t: f32) -> Rgb {
+pub(super) fn mixed(a: Rgb, b: Rgb, t: f32) -> Rgb {
     [a[0] + (b[0] - a[0]) * t, a[1] + (b[1] - a[1]) * t, a[2] + (b[2] - a[2]) * t]
 }
 
 #[inline(always)]
-fn put(out: &mut ColourLanes, i: usize, colour: Rgb, light: f32) {
+pub(super) fn put(out: &mut ColourLanes, i: usize, colour: Rgb, light: f32) {
     for k in 0..3 {
         out[k][i] = colour[k] * light;
     }
@@ -100,17 +135,24 @@ impl Terrain {
     pub(super) fn chunk_albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
         let p = self.points(points.len(), |i| points[i].direction);
         let tints = &self.tints;
+        let site = self.site(points);
+        let patch = tints.patch.brownian(&p);
         let noises = Noises {
             climate: tints.climate.brownian(&p),
-            patch: tints.patch.brownian(&p),
+            strata: if matches!(self.palette, Palette::Airless(_)) { [0.0; LANES] } else { tints.strata(&site, &patch) },
+            patch,
             thicket: tints.thicket.brownian(&p),
             tuft: tints.tuft.brownian(&p),
         };
-        let site = self.site(points);
         let mut colours = [[0.0; LANES]; 3];
         match &self.palette {
             Palette::Living(palette) => Paints::new(palette, tints).paint(&site, &noises, &mut colours),
             Palette::Airless(palette) => self.paint_airless(palette, &site, &p, &noises, &mut colours),
+            Palette::Desert(palette) => {
+                if let Some(winds) = &tints.winds {
+                    self.paint_desert((palette, winds), &site, &p, &noises, &mut colours);
+                }
+            }
         }
         let mut bytes = [[0; 3]; LANES];
         for k in 0..3 {
@@ -146,10 +188,10 @@ impl Terrain {
         }
         for i in 0..LANES {
             let (patch, thicket, tuft) = (noises.patch[i], noises.thicket[i], noises.tuft[i]);
-            let ground = mixed(mare, highland, old.at(base[i] + 200.0 * patch));
+            let ground = mixed(mare, highland, old.at(base[i] + 330.0 * patch + 220.0 * noises.climate[i]));
             // Steep ground sheds its dark, weathered skin.
-            let fresh = rays[i].min(1.0).max(0.35 * STEEP.at(site.slope[i]));
-            let light = 1.0 + 0.07 * noises.climate[i] + 0.07 * patch + 0.04 * thicket + 0.06 * tuft;
+            let fresh = rays[i].min(1.0).max(0.55 * STEEP.at(site.slope[i]));
+            let light = 1.0 + 0.10 * noises.climate[i] + 0.10 * patch + 0.04 * thicket + 0.06 * tuft;
             put(out, i, mixed(ground, ray, fresh), light);
         }
     }
@@ -181,6 +223,10 @@ struct Paints {
 /// What decides the colour of dry land, each from 0 to 1.
 struct Ground {
     arid: f32,
+    /// 1 in the wet tropics, 0 from the middle latitudes on.
+    tropical: f32,
+    /// 1 where winters are long.
+    boreal: f32,
     wooded: f32,
     wet: f32,
     alpine: f32,
@@ -215,7 +261,7 @@ impl Paints {
     #[inline(always)]
     fn paint(&self, site: &Site, noises: &Noises, out: &mut ColourLanes) {
         for i in 0..LANES {
-            let own = [noises.climate[i], noises.patch[i], noises.thicket[i], noises.tuft[i]];
+            let own = [noises.climate[i], noises.patch[i], noises.thicket[i], noises.tuft[i], noises.strata[i]];
             let above = site.above[i];
             let ground = self.ground([site.sine[i], site.height[i], site.slope[i]], own);
             let land = self.land(&ground, above, own);
@@ -233,48 +279,62 @@ impl Paints {
     }
 
     #[inline(always)]
-    fn ground(&self, [sine, height, slope]: [f32; 3], [climate, patch, thicket, tuft]: [f32; 4]) -> Ground {
-        const ARID: Ramp = Ramp::new([0.12, 0.48]);
+    fn ground(&self, [sine, height, slope]: [f32; 3], [climate, patch, thicket, tuft, _]: [f32; 5]) -> Ground {
+        const ARID: Ramp = Ramp::new([0.08, 0.56]);
         const WOODED: Ramp = Ramp::new([0.0, 0.55]);
         const WET: Ramp = Ramp::new([-0.45, 0.25]);
+        const BOREAL: Ramp = Ramp::new([0.72, 0.95]);
         const TREE_LINE: Ramp = Ramp::new([-500.0, 150.0]);
         const ALPINE: Ramp = Ramp::new([-500.0, 500.0]);
-        const SNOW: Ramp = Ramp::new([-250.0, 350.0]);
+        const SNOW: Ramp = Ramp::new([-180.0, 260.0]);
         // Dry belts near 24 degrees, wet about the equator and from 45 degrees on.
         let off = (sine - 0.41) * (1.0 / 0.24);
         let belt = (1.0 - off * off).max(-0.7);
         let dry = 0.42 * belt - 0.95 * climate + 0.12 * patch - 0.04;
         let cold = sine * self.per_polar_sine;
-        let line = self.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 250.0 * patch + 60.0 * thicket;
+        // Thickets are small and dense in one landscape, and hardly there in the next.
+        let clump = thicket * (0.55 + 1.3 * patch).clamp(0.1, 1.3);
+        let line = self.snow_line_m * (1.0 - cold * cold) + 500.0 * climate + 420.0 * patch + 150.0 * thicket;
         let height = height + 12.0 * tuft;
         let over_trees = height - (line - self.tree_drop_m);
-        let woods = 0.3 - 1.3 * dry + 0.75 * patch + 0.3 * thicket + 0.2 * tuft + 0.8 * (slope - 0.1).min(0.4);
+        let woods = 0.3 - 1.3 * dry + 0.75 * patch + 0.35 * clump + 0.2 * tuft + 1.0 * (slope - 0.1).min(0.4);
         let steep = slope * (1.0 + 0.25 * thicket + 0.3 * tuft);
         Ground {
             arid: ARID.at(dry),
-            wooded: WOODED.at(woods) * (1.0 - TREE_LINE.at(over_trees)),
+            tropical: (1.0 - sine * 2.2).max(0.0),
+            boreal: BOREAL.at(cold),
+            wooded: WOODED.at(woods) * (1.0 - TREE_LINE.at(over_trees + 250.0 * thicket + 600.0 * slope)),
             wet: WET.at(-dry + 0.3 * thicket),
             alpine: ALPINE.at(over_trees),
-            snow: SNOW.at(height - line) * (1.0 - self.bare.at(steep)),
+            // Steep ground holds snow from higher up.
+            snow: SNOW.at(height - line + 40.0 * tuft - 500.0 * slope) * (1.0 - self.bare.at(steep)),
             rocky: self.rocky.at(steep),
         }
     }
 
     #[inline(always)]
-    fn land(&self, ground: &Ground, above: f32, [climate, patch, thicket, tuft]: [f32; 4]) -> Rgb {
+    fn land(&self, ground: &Ground, above: f32, [climate, patch, thicket, tuft, strata]: [f32; 5]) -> Rgb {
         const WORN: Ramp = Ramp::new([0.1, 0.8]);
-        const STONY: Ramp = Ramp::new([-0.7, 1.0]);
+        const STONY: Ramp = Ramp::new([-0.45, 0.6]);
         const INLAND: Ramp = Ramp::new([0.4, 1.0]);
         const THIN: Ramp = Ramp::new([0.0, 0.7]);
         let grass = mixed(self.dry, self.lush, ground.wet);
-        let meadow = mixed(grass, self.forest, ground.wooded * 0.9);
-        // Clearings, worn ground and dead grass, from hundreds of metres down to tufts.
-        let meadow = mixed(meadow, self.dry, 0.4 * WORN.at(0.6 * thicket + 0.7 * tuft));
-        let sand = mixed(self.desert, self.badland, 0.75 * STONY.at(0.5 * patch + 0.7 * climate + 0.25 * thicket));
+        let [warm, cool] = [ground.tropical, ground.boreal];
+        // Rain forest is greener, taiga darker and bluer.
+        let trees = [1.0 - 0.12 * warm - 0.2 * cool, 1.0 + 0.12 * warm - 0.12 * cool, 1.0 - 0.15 * warm];
+        let trees = axes(|k| self.forest[k] * trees[k]);
+        let meadow = mixed(grass, trees, ground.wooded * 0.9);
+        // Clearings, worn ground and dead grass, from hundreds of metres down to tufts, least in wet woods.
+        let worn = WORN.at(0.6 * thicket + 0.7 * tuft) * (0.45 + 0.9 * patch).clamp(0.08, 0.6);
+        let meadow = mixed(meadow, self.dry, worn * (1.0 - 0.6 * ground.wooded * ground.wet));
+        // Sand, red stone, and dark gravel plains between them.
+        let stony = STONY.at(0.6 * patch + 0.6 * climate + 0.25 * thicket + 0.3);
+        let gravel = (1.0 - (patch + 0.35 * climate + 0.1).abs() * 3.2 + 0.4 * thicket).clamp(0.0, 0.4);
+        let sand = mixed(mixed(self.desert, self.badland, 0.7 * stony), self.rock, gravel);
         let soil = mixed(mixed(meadow, sand, ground.arid), self.tundra, ground.alpine * (1.0 - 0.5 * ground.arid));
         let shore = 1.0 - INLAND.at(above * self.per_beach_m + 0.25 * thicket + 0.1 * tuft);
         let soil = mixed(soil, self.beach, shore);
-        let rock = mixed(self.rock, self.badland, 0.55 * ground.arid + 0.1);
+        let rock = mixed(self.rock, self.badland, (0.2 + 0.5 * ground.arid) * strata + 0.2 * ground.arid);
         // High ground wears thin even where it is level.
         let bare = ground.rocky.max(ground.alpine * THIN.at(thicket + 0.6 * patch) * 0.6);
         mixed(mixed(soil, rock, bare), self.snow, ground.snow)

@@ -6,7 +6,7 @@
 //! within a class follow a power law (Melosh 1989, chapters V and X, for shapes and distribution).
 
 use super::noise::{mix, nearest, noise_at, Lattice, PRIMES};
-use super::octaves::{any_above_zero, Ramp};
+use super::octaves::{any_above_zero, Ramp, Warp};
 use super::points::{axes, Lane, Points, Turned, WideLane, LANES};
 use crate::recipe;
 
@@ -35,6 +35,8 @@ fn cells_between(from: [u32; 3], counts: [u32; 3]) -> impl Iterator<Item = [u32;
 /// One layer of craters.
 pub(crate) struct Craters {
     classes: Vec<Class>,
+    /// Takes the circle out of large craters.
+    warp: Option<Warp>,
     above: Ramp,
     recipe: recipe::Craters,
 }
@@ -54,6 +56,10 @@ struct Class {
     depth_m: f64,
     /// How complex the craters are: 0 bowls, 1 flat floors with central peaks.
     complex: f32,
+    /// Height of the shield that the crater tops, over its depth; 0 for none.
+    shield: f32,
+    /// One over the shield's radius, in rim radii.
+    per_foot: f32,
     /// Seed of the noise along rays.
     streaks: u32,
 }
@@ -82,13 +88,17 @@ impl Class {
         let ratio = diameter_m / recipe.complex_m;
         // Depth grows as D up to the transition, then as D^(1/4).
         let shallow = (1.0 + ratio).sqrt() * (1.0 + ratio).sqrt().sqrt();
+        let depth_m = recipe.depth * diameter_m / shallow;
+        let shield_m = recipe.shield_m * diameter_m / recipe.largest_m;
         Self {
             lattice: Lattice::new(seed, turn, cell_m),
             radius: planet_m / cell_m,
             per_metre: 1.0 / planet_m,
             per_rim2: ((recipe.reach / REACH) * (recipe.reach / REACH)) as f32,
             threshold: (density.clamp(0.0, 1.0) * 65536.0) as u32,
-            depth_m: recipe.depth * diameter_m / shallow,
+            depth_m,
+            shield: if shield_m > 0.0 { (shield_m / depth_m.max(1.0)) as f32 } else { 0.0 },
+            per_foot: (1.0 / recipe.reach) as f32,
             complex: (ratio - 0.7).clamp(0.0, 1.0) as f32,
             streaks: mix(seed ^ 77) as u32,
         }
@@ -132,11 +142,22 @@ impl Class {
         let ejecta = RIM * far * far * far;
         let foot = (1.0 - t * 30.0).max(0.0);
         let peak = self.complex * 0.45 * foot * foot;
-        if t < 1.0 {
-            bowl + peak
+        let crater = if t < 1.0 { bowl + peak } else { ejecta };
+        if self.shield > 0.0 {
+            crater + self.shield * self.flank(t)
         } else {
-            ejecta
+            crater
         }
+    }
+
+    /// Height of a shield volcano, 1 at the top: slopes that steepen upwards a little, and a scarp at their foot.
+    #[inline(always)]
+    fn flank(&self, t: f32) -> f32 {
+        const SCARP: f32 = 0.16;
+        let top = 1.0 - self.per_foot;
+        let up = (1.0 - t.max(1.0).sqrt() * self.per_foot).max(0.0) * (1.0 / top);
+        let scarp = (up * 14.0).min(1.0);
+        SCARP * scarp * scarp * (3.0 - 2.0 * scarp) + (1.0 - SCARP) * up * (0.8 + 0.2 * up)
     }
 
     /// Sums craters over all lanes. Where the chunk spans few cells their sites are drawn once for all lanes; else each
@@ -151,7 +172,7 @@ impl Class {
             self.add_each(turned, &mut sum);
         }
         for i in 0..LANES {
-            out[i] += sum[i].clamp(-1.3, 0.7) * (self.depth_m as f32 * mask[i]);
+            out[i] += sum[i].clamp(-1.3, 0.7 + self.shield) * (self.depth_m as f32 * mask[i]);
         }
     }
 
@@ -251,8 +272,10 @@ impl Class {
         let halo = 1.0 / (1.0 + t * 0.3);
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-6);
         // Noise of the offset's direction is constant along rays from the centre.
-        let streak = (noise_at(self.streaks ^ site, axes(|k| v[k] / length * 4.0)) * 3.0).clamp(0.0, 1.0);
+        let streak = (noise_at(self.streaks ^ site, axes(|k| v[k] / length * 6.0)) * 3.2 - 0.2).clamp(0.0, 1.0);
         let fresh = (site >> 24) as i32 as f32 * (1.0 / 255.0);
+        // Rays fade long before the relief does: few craters have bright ones.
+        let fresh = fresh * fresh;
         fade * (halo + streak * (0.35 + 0.65 * fade)) * fresh * 1.3 * presence
     }
 
@@ -326,7 +349,8 @@ fn scramble(h: u32) -> u32 {
 /// How much of its first relief a crater still has.
 #[inline(always)]
 fn freshness(site: u32) -> f32 {
-    0.25 + (site >> 24) as i32 as f32 * (0.75 / 255.0)
+    let young = (site >> 24) as i32 as f32 * (1.0 / 255.0);
+    0.15 + young * (0.25 + 0.6 * young)
 }
 
 impl Craters {
@@ -338,7 +362,8 @@ impl Craters {
             diameter *= 0.5;
             density *= recipe.growth;
         }
-        Self { classes, above: Ramp::new(recipe.above_m), recipe: recipe.clone() }
+        let warp = Warp::new(mix(seed ^ 55), recipe.largest_m * 0.6, recipe.warp_m, 2).map(|w| w.along_sphere(planet_m));
+        Self { classes, warp, above: Ramp::new(recipe.above_m), recipe: recipe.clone() }
     }
 
     #[inline(always)]
@@ -351,7 +376,8 @@ impl Craters {
         if !any_above_zero(&mask) {
             return None;
         }
-        let mut own = [0.0; LANES];
+        let (mut room, mut own) = (None, [0.0; LANES]);
+        let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         for class in &self.classes {
             class.add(p, &mask, &mut own);
         }
@@ -370,6 +396,8 @@ impl Craters {
             return;
         }
         let reach2 = (self.recipe.reach * self.recipe.reach) as f32;
+        let mut room = None;
+        let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         for class in &self.classes {
             class.add_rays(p, reach2, self.recipe.rays as f32, bright);
         }
@@ -377,7 +405,8 @@ impl Craters {
 
     pub(crate) fn range(&self) -> (f64, f64) {
         let depth: f64 = self.classes.iter().map(|c| c.depth_m).sum();
-        (-1.3 * depth, 0.7 * depth)
+        let shields: f64 = self.classes.iter().map(|c| f64::from(c.shield) * c.depth_m).sum();
+        (-1.3 * depth, 0.7 * depth + shields)
     }
 }
 
@@ -397,6 +426,8 @@ mod tests {
             complex_m: 1e8,
             reach: 2.0,
             rays: 0.0,
+            shield_m: 0.0,
+            warp_m: 0.0,
             basins: false,
             above_m: [-3e5, -2e5],
             below: 0.0,

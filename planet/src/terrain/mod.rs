@@ -9,18 +9,24 @@
 
 mod albedo;
 pub(crate) mod angles;
+mod canyons;
 mod craters;
+mod desert;
+mod dunes;
 pub(crate) mod edits;
 mod heightmap;
 mod noise;
 mod octaves;
 mod points;
 mod profile;
+mod regions;
 mod relief;
 
 pub use crate::ground::GroundPoint;
 use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
+use canyons::Canyons;
 use craters::Craters;
+use dunes::Dunes;
 use edits::Edits;
 use glam::DVec3;
 use heightmap::Heightmap;
@@ -49,6 +55,8 @@ enum Step {
     Hills(Hills),
     Plains(Plains),
     Craters(Craters),
+    Canyons(Canyons),
+    Dunes(Dunes),
     Heightmap(Box<Heightmap>),
 }
 
@@ -154,6 +162,8 @@ impl Terrain {
                 Step::Hills(layer) => layer.metres(p, &base),
                 Step::Plains(layer) => Some(layer.metres(p)),
                 Step::Craters(layer) => layer.metres(p, &base),
+                Step::Canyons(layer) => layer.metres(p, &base),
+                Step::Dunes(layer) => layer.metres(p, &base),
             };
             let Some(own) = own else { continue };
             if step.is_base() {
@@ -183,6 +193,10 @@ impl Terrain {
 
     fn craters(&self) -> impl Iterator<Item = &Craters> {
         self.steps.iter().filter_map(|s| if let Step::Craters(c) = s { Some(c) } else { None })
+    }
+
+    fn dunes(&self) -> impl Iterator<Item = &Dunes> {
+        self.steps.iter().filter_map(|s| if let Step::Dunes(d) = s { Some(d) } else { None })
     }
 
     /// Flattens the ground about sea level into beaches and shelves; monotone, and far from the sea nothing changes.
@@ -220,11 +234,13 @@ fn chunk_heights(terrain: &Terrain, directions: &[DVec3], heights: &mut [f64]) {
 impl Step {
     fn new(recipe: &Recipe, seed: u64, layer: &Layer) -> Result<Self, RecipeError> {
         Ok(match layer {
-            Layer::Continents(l) => Self::Continents(Continents::new(seed, l)),
+            Layer::Continents(l) => Self::Continents(Continents::new(seed, l, recipe.radius)),
             Layer::Mountains(l) => Self::Mountains(Mountains::new(seed, l)),
             Layer::Hills(l) => Self::Hills(Hills::new(seed, l)),
             Layer::Plains(l) => Self::Plains(Plains::new(seed, l)),
             Layer::Craters(l) => Self::Craters(Craters::new(seed, l, recipe.radius)),
+            Layer::Canyons(l) => Self::Canyons(Canyons::new(seed, l)),
+            Layer::Dunes(l) => Self::Dunes(Dunes::new(seed, l, recipe.radius)),
             Layer::Heightmap(l) => Self::Heightmap(Box::new(Heightmap::new(recipe, l)?)),
         })
     }
@@ -234,7 +250,7 @@ impl Step {
         match self {
             Self::Continents(_) | Self::Heightmap(_) => true,
             Self::Craters(layer) => layer.basins(),
-            Self::Mountains(_) | Self::Hills(_) | Self::Plains(_) => false,
+            Self::Mountains(_) | Self::Hills(_) | Self::Plains(_) | Self::Canyons(_) | Self::Dunes(_) => false,
         }
     }
 
@@ -245,6 +261,8 @@ impl Step {
             Self::Hills(l) => l.range(),
             Self::Plains(l) => l.range(),
             Self::Craters(l) => l.range(),
+            Self::Canyons(l) => l.range(),
+            Self::Dunes(l) => l.range(),
             Self::Heightmap(l) => l.range(),
         }
     }
@@ -286,7 +304,7 @@ mod tests {
 
     #[test]
     fn wide_instructions_change_heights() {
-        for name in ["terra", "luna", "tiny"] {
+        for name in ["terra", "luna", "mars", "tiny"] {
             let terrain = terrain(name);
             let mut distinct = std::collections::HashSet::new();
             for directions in chunks(terrain.radius) {
@@ -305,7 +323,7 @@ mod tests {
 
     #[test]
     fn wide_instructions_change_albedo() {
-        for name in ["terra", "luna"] {
+        for name in ["terra", "luna", "mars"] {
             let terrain = terrain(name);
             for directions in chunks(terrain.radius) {
                 let ground = |&direction: &DVec3| GroundPoint { direction, height: terrain.height(direction), slope: 0.3 };

@@ -79,12 +79,19 @@ impl Fractal {
 pub(crate) struct Warp {
     axes: [Fractal; 3],
     reach_m: f64,
+    /// Radius of the sphere on which points stay, if they do.
+    sphere_m: Option<f64>,
 }
 
 impl Warp {
     pub(crate) fn new(seed: u64, wavelength_m: f64, reach_m: f64, octaves: i32) -> Option<Self> {
         let axis = |i: u64| Fractal::few(mix(seed ^ mix(900 + i)), wavelength_m, octaves);
-        (reach_m > 0.0).then(|| Self { axes: [axis(0), axis(1), axis(2)], reach_m })
+        (reach_m > 0.0).then(|| Self { axes: [axis(0), axis(1), axis(2)], reach_m, sphere_m: None })
+    }
+
+    /// The same warp, along a sphere: for what is worked out for points on it. `reach_m` must be well below its radius.
+    pub(crate) fn along_sphere(self, radius_m: f64) -> Self {
+        Self { sphere_m: Some(radius_m), ..self }
     }
 
     /// The points where a layer looks: pushed about, in `room`, if it has a warp.
@@ -103,6 +110,13 @@ impl Warp {
             let push = axis.brownian(p);
             for i in 0..LANES {
                 place[i] += f64::from(push[i]) * self.reach_m;
+            }
+        }
+        if let Some(radius) = self.sphere_m {
+            for i in 0..LANES {
+                let [x, y, z] = [place[0][i], place[1][i], place[2][i]];
+                let scale = radius / (x * x + y * y + z * z).sqrt();
+                (place[0][i], place[1][i], place[2][i]) = (x * scale, y * scale, z * scale);
             }
         }
         Points::at(place)

@@ -5,6 +5,7 @@ use super::noise::mix;
 use super::octaves::{any_above_zero, Fractal, Ramp, Warp};
 use super::points::{Lane, Points, LANES};
 use super::profile::Profile;
+use super::regions::Regions;
 use crate::recipe;
 
 /// Oceans and continents.
@@ -14,10 +15,12 @@ pub(crate) struct Continents {
     profile: Profile,
     ridges: Option<Fractal>,
     ridge_m: f64,
+    /// Noise added for each metre towards the north pole.
+    north_per_metre: f64,
 }
 
 impl Continents {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Continents) -> Self {
+    pub(crate) fn new(seed: u64, recipe: &recipe::Continents, planet_m: f64) -> Self {
         let wavelength = recipe.octaves.wavelength_m;
         let ridges = (recipe.ridge_m > 0.0).then(|| Fractal::few(mix(seed ^ 2), wavelength * 0.6, 7));
         Self {
@@ -26,6 +29,7 @@ impl Continents {
             profile: Profile::new(&recipe.profile),
             ridges,
             ridge_m: recipe.ridge_m,
+            north_per_metre: recipe.north / planet_m,
         }
     }
 
@@ -33,7 +37,11 @@ impl Continents {
     pub(crate) fn metres(&self, p: &Points) -> Lane {
         let mut room = None;
         let p = Warp::moved(self.warp.as_ref(), p, &mut room);
-        let mut own = self.profile.lanes(&self.fractal.brownian(p));
+        let mut noise = self.fractal.brownian(p);
+        for i in 0..LANES {
+            noise[i] += (p.place[2][i] * self.north_per_metre) as f32;
+        }
+        let mut own = self.profile.lanes(&noise);
         if let Some(ridges) = &self.ridges {
             if own.iter().fold(false, |any, &h| any | (h < RIDGE_FADE_M[1] as f32)) {
                 self.add_ridges(ridges, p, &mut own);
@@ -127,23 +135,16 @@ const UPLIFT: f32 = 0.12;
 /// Hills, or mounds and gullies.
 pub(crate) struct Hills {
     fractal: Fractal,
-    regions: Fractal,
-    /// Region noise over which hills fade in.
-    cover: Ramp,
-    above: Ramp,
+    regions: Regions,
     roundness: f32,
     amplitude_m: f64,
 }
 
 impl Hills {
     pub(crate) fn new(seed: u64, recipe: &recipe::Hills) -> Self {
-        let middle = 0.7 - 1.4 * recipe.cover;
-        let edges = if recipe.cover >= 1.0 { [-9.0, -8.0] } else { [middle - 0.2, middle + 0.2] };
         Self {
             fractal: Fractal::new(seed, &recipe.octaves),
-            regions: Fractal::few(mix(seed ^ 1), recipe.region_m, 3),
-            cover: Ramp::new(edges),
-            above: Ramp::new(recipe.above_m),
+            regions: Regions::new(mix(seed ^ 1), recipe.region_m, recipe.cover, recipe.above_m),
             roundness: recipe.roundness as f32,
             amplitude_m: recipe.amplitude_m,
         }
@@ -151,7 +152,7 @@ impl Hills {
 
     #[inline(always)]
     pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
-        let mask = self.mask(p, base)?;
+        let mask = self.regions.mask(p, base)?;
         let round = self.roundness;
         let plain = 1.0 - round.abs();
         let mut own = self.fractal.sum(p, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);
@@ -159,20 +160,6 @@ impl Hills {
             own[i] *= self.amplitude_m as f32 * mask[i];
         }
         Some(own)
-    }
-
-    /// How hilly it is where, 0 to 1; nothing where that is 0 throughout.
-    #[inline(always)]
-    fn mask(&self, p: &Points, base: &Lane) -> Option<Lane> {
-        let mut mask = self.above.lanes(base);
-        if !any_above_zero(&mask) {
-            return None;
-        }
-        let regions = self.regions.brownian(p);
-        for i in 0..LANES {
-            mask[i] *= self.cover.at(regions[i]);
-        }
-        any_above_zero(&mask).then_some(mask)
     }
 
     pub(crate) fn range(&self) -> (f64, f64) {
