@@ -41,7 +41,7 @@ struct Shot {
     view: &'static [&'static str],
 }
 
-const SHOTS: [Shot; 8] = [
+const SHOTS: [Shot; 9] = [
     Shot { name: "orbit", planet: "terra", view: &["--at", "20,90,12000000"] },
     Shot { name: "limb", planet: "terra", view: &["--at", "36.62,106.05,300000", "--look", "60,-18"] },
     Shot { name: "terminator", planet: "terra", view: &["--at", "10,100,9000000", "--sun", "90,2"] },
@@ -49,7 +49,8 @@ const SHOTS: [Shot; 8] = [
     Shot { name: "coast", planet: "terra", view: &["--at", "36.62,106.05,4000", "--look", "0,-8"] },
     Shot { name: "mountains", planet: "terra", view: &["--at", "36.9,106.05,9000", "--look", "0,-12"] },
     Shot { name: "ground", planet: "terra", view: &["--at", "36.62,106.05,60", "--look", "30,-5"] },
-    Shot { name: "luna", planet: "luna", view: &["--at", "0,20,2500000"] },
+    Shot { name: "luna", planet: "luna", view: &["--at", "5,150,3000000", "--exposure", "1.5"] },
+    Shot { name: "mars", planet: "mars", view: &["--at", "0,-40,6500000"] },
 ];
 
 /// An RGB picture.
@@ -183,13 +184,13 @@ fn check_content(name: &str, picture: &Picture, depth: &Picture) -> Result<(), S
     Ok(())
 }
 
-/// A folder with both planets, baked once.
+/// A folder with the planets, baked once.
 fn planets() -> &'static Path {
     static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
         let region = Region { direction: direction_at(PLACE[0], PLACE[1]), radius_m: 0.0, to_level: FINEST };
-        for (name, levels, region) in [("terra", 1, Some(region)), ("luna", 2, None)] {
+        for (name, levels, region) in [("terra", 1, Some(region)), ("luna", 2, None), ("mars", 2, None)] {
             let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../planet/recipes/{name}.toml"));
             let planet = Planet::from_recipe(Recipe::load(&recipe).unwrap(), CELLS).unwrap();
             let plan = BakePlan::new(planet.recipe.radius, levels, region).unwrap();

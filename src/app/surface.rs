@@ -138,7 +138,7 @@ mod tests {
         assert_eq!(ground.height_at(place), Some(low));
         // A coarser patch that is still drawn lies above.
         let drawn = Leaf { id: PatchId::containing(place, level), coarser_sides: 0 };
-        ground.follow(&Cut { leaves: vec![drawn], wanted: Vec::new() });
+        ground.follow(&Cut { leaves: vec![drawn], ..Cut::default() });
         assert_eq!(ground.height_at(place), Some(high));
         let surface = DrawnSurface::new(&ground, &planet.recipe);
         let position = place * (planet.recipe.radius + low + LEAST_HEIGHT);

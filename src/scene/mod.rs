@@ -313,8 +313,10 @@ impl Scene {
     }
 
     fn mark_used(&mut self, cut: &Cut) {
-        // Those that wait for their siblings count as used: taken out to make room for these, they would be asked for for ever.
-        for id in cut.wanted.iter().filter_map(|(id, _)| id.children()).flatten() {
+        // Those that wait for their siblings, or for a neighbour, count as used: taken out to make room for these, they would be asked
+        // for for ever.
+        let waiting = cut.wanted.iter().map(|(id, _)| *id).chain(cut.blocked.iter().copied());
+        for id in waiting.filter_map(PatchId::children).flatten() {
             if let Some(patch) = self.resident.get_mut(&id) {
                 patch.last_used = self.frame;
             }

@@ -116,7 +116,7 @@ fn a_small_gpu_budget_fails_or_is_exceeded() {
     let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
     let path = file(folder.path(), &planet, Some(0));
     let mut whole = Scene::open(&context, &path, building(&planet, None)).unwrap();
-    for gpu_bytes in [0, 1_000_000] {
+    for gpu_bytes in [0, 1_000_000, 2_000_000, 4_000_000] {
         let mut tight = Scene::open(&context, &path, SceneOptions { gpu_bytes, ..building(&planet, None) }).unwrap();
         for view in views(&planet) {
             let (coarse, fine) = (drawn(&context, &mut tight, &view), drawn(&context, &mut whole, &view));

@@ -33,6 +33,8 @@ pub struct Cut {
     /// Patches whose children the view wants but which are not all resident, with their distance over their split distance
     /// (smaller is more urgent).
     pub wanted: Vec<(PatchId, f64)>,
+    /// Patches whose children the view wants and which are all resident, but wait for a neighbour to split first.
+    pub blocked: Vec<PatchId>,
 }
 
 /// Distance in lattice units at which a patch of a level splits for its texture's sake.
@@ -71,9 +73,17 @@ pub fn finest_cut(tree: &PatchTree, resident: &dyn Fn(PatchId) -> bool) -> Cut {
 
 /// The cut in which the patches split whose urgency is below 1.
 pub fn cut_by(tree: &PatchTree, urgency: &dyn Fn(PatchId, &PatchNode) -> f64, resident: &dyn Fn(PatchId) -> bool) -> Cut {
-    let mut search = Search { tree, urgency, resident, split: HashSet::new(), refused: HashSet::new(), wanted: Vec::new() };
+    let mut search = Search {
+        tree,
+        urgency,
+        resident,
+        split: HashSet::new(),
+        refused: HashSet::new(),
+        wanted: Vec::new(),
+        blocked: Vec::new(),
+    };
     PatchId::roots().for_each(|root| search.refine(root));
-    let mut result = Cut { leaves: Vec::new(), wanted: search.wanted };
+    let mut result = Cut { leaves: Vec::new(), wanted: search.wanted, blocked: search.blocked };
     PatchId::roots().for_each(|root| collect(root, &search.split, &mut result.leaves));
     result
 }
@@ -97,6 +107,7 @@ struct Search<'a> {
     split: HashSet<PatchId>,
     refused: HashSet<PatchId>,
     wanted: Vec<(PatchId, f64)>,
+    blocked: Vec<PatchId>,
 }
 
 impl Search<'_> {
@@ -130,6 +141,9 @@ impl Search<'_> {
             self.split.insert(id);
         } else {
             self.refused.insert(id);
+            if ready {
+                self.blocked.push(id);
+            }
         }
         ready && balanced
     }
