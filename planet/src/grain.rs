@@ -2,6 +2,7 @@
 //!
 //! Out: mip levels of [`GRAIN_SIDE`]² texels, in which both average out to nothing.
 
+use crate::mip::halved;
 use crate::verify::random_views::Random;
 
 /// Texels along a side.
@@ -30,8 +31,8 @@ pub fn grain_map(seed: u64) -> Vec<GrainLevel> {
         [slope[0], slope[1], 0.5 * tint[k] + 0.5 * heights[k]]
     };
     let mut level: GrainLevel = (0..side * side).map(texel).collect();
-    normalise(&mut level, [0, 1]);
-    normalise(&mut level, [2, 2]);
+    normalise(&mut level, &[0, 1]);
+    normalise(&mut level, &[2]);
     let mut levels = vec![level];
     for power in (1..=GRAIN_SIDE.ilog2()).rev() {
         let finer = levels.last().map_or(&[][..], |level| level.as_slice());
@@ -40,17 +41,17 @@ pub fn grain_map(seed: u64) -> Vec<GrainLevel> {
     levels
 }
 
-/// Takes the mean from two channels (or one, named twice) and scales them to a mean square of 1 together.
-fn normalise(level: &mut GrainLevel, channels: [usize; 2]) {
-    for channel in channels {
-        let mean = level.iter().map(|texel| texel[channel]).sum::<f32>() / level.len() as f32;
+/// Takes the mean from channels and scales them to a mean square of 1 together.
+fn normalise(level: &mut GrainLevel, channels: &[usize]) {
+    let count = level.len() as f32;
+    for &channel in channels {
+        let mean = level.iter().map(|texel| texel[channel]).sum::<f32>() / count;
         level.iter_mut().for_each(|texel| texel[channel] -= mean);
     }
-    let square =
-        level.iter().map(|texel| channels.iter().map(|&c| texel[c] * texel[c]).sum::<f32>()).sum::<f32>() / level.len() as f32;
-    let scale = 1.0 / (square / if channels[0] == channels[1] { 2.0 } else { 1.0 }).sqrt().max(f32::MIN_POSITIVE);
-    for channel in channels.into_iter().take(if channels[0] == channels[1] { 1 } else { 2 }) {
-        level.iter_mut().for_each(|texel| texel[channel] *= scale);
+    let square = |texel: &[f32; 3]| channels.iter().map(|&c| texel[c] * texel[c]).sum::<f32>();
+    let scale = 1.0 / (level.iter().map(square).sum::<f32>() / count).sqrt().max(f32::MIN_POSITIVE);
+    for texel in level {
+        channels.iter().for_each(|&channel| texel[channel] *= scale);
     }
 }
 
@@ -88,16 +89,6 @@ fn noise(gradients: &[[f32; 2]], cells: usize, texel: [usize; 2]) -> f32 {
     let (low, high) = ([corner(0, 0), corner(1, 0)], [corner(0, 1), corner(1, 1)]);
     let (low, high) = (low[0] + (low[1] - low[0]) * a, high[0] + (high[1] - high[0]) * a);
     low + (high - low) * b
-}
-
-/// The mean of every four.
-fn halved(level: &[[f32; 3]], side: usize) -> GrainLevel {
-    let half = side / 2;
-    let mean = |k: usize| {
-        let at = 2 * (k / half) * side + 2 * (k % half);
-        std::array::from_fn(|c| 0.25 * (level[at][c] + level[at + 1][c] + level[at + side][c] + level[at + side + 1][c]))
-    };
-    (0..half * half).map(mean).collect()
 }
 
 #[cfg(test)]

@@ -7,9 +7,9 @@
 
 use crate::ground::{Ground, WarpedGrid};
 use crate::patch::PatchId;
+use crate::recent::Recent;
 use glam::DVec3;
-use std::collections::HashMap;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Samples known beyond each side of a patch, in cells: no look-up goes farther in its own density.
 const MARGIN: i32 = 10;
@@ -78,39 +78,30 @@ impl WideGrid {
 }
 
 /// Heights around patches, those used latest kept: siblings share all their ancestors.
-#[derive(Default)]
 pub struct WideGrids {
-    kept: Mutex<Kept>,
+    kept: Mutex<Recent<Arc<WideGrid>>>,
 }
 
-#[derive(Default)]
-struct Kept {
-    /// Each with the time of its latest use.
-    grids: HashMap<PatchId, (Arc<WideGrid>, u64)>,
-    clock: u64,
+impl Default for WideGrids {
+    fn default() -> WideGrids {
+        WideGrids { kept: Mutex::new(Recent::new(MOST_GRIDS)) }
+    }
 }
 
 impl WideGrids {
     /// The heights around a patch.
     pub fn get(&self, ground: &Ground, id: PatchId) -> Arc<WideGrid> {
-        {
-            let Kept { grids, clock } = &mut *self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-            *clock += 1;
-            if let Some((grid, used)) = grids.get_mut(&id) {
-                *used = *clock;
-                return grid.clone();
-            }
+        if let Some(grid) = self.lock().get(id) {
+            return grid;
         }
         // Two threads may sample the same patch: they get the same heights.
         let grid = Arc::new(WideGrid::sample(ground, id));
-        let Kept { grids, clock } = &mut *self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if grids.len() >= MOST_GRIDS {
-            let mut times: Vec<u64> = grids.values().map(|(_, used)| *used).collect();
-            let (_, &mut middle, _) = times.select_nth_unstable(MOST_GRIDS / 2);
-            grids.retain(|_, (_, used)| *used > middle);
-        }
-        grids.insert(id, (grid.clone(), *clock));
+        self.lock().insert(id, grid.clone());
         grid
+    }
+
+    fn lock(&self) -> MutexGuard<'_, Recent<Arc<WideGrid>>> {
+        self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 

@@ -4,6 +4,7 @@
 //! 1985: the same in every octave), running mostly downwind. Total slope variance after Cox and Munk (1954). Every mip level also says what
 //! variance it still resolves (Bruneton, Neyret and Holzschuch 2010): the rest is roughness, so that glitter widens with distance.
 
+use crate::mip::halved;
 use crate::verify::random_views::Random;
 
 /// Texels along a side of a cascade.
@@ -100,16 +101,6 @@ fn add_sine(slopes: &mut [[f32; 2]], [x, y]: [f64; 2], phase: f64, along: [f32; 
             (sin, cos) = (sin * turn_cos + cos * turn_sin, cos * turn_cos - sin * turn_sin);
         }
     }
-}
-
-/// The mean of every four.
-fn halved(slopes: &[[f32; 2]], side: usize) -> Vec<[f32; 2]> {
-    let half = side / 2;
-    let mean = |k: usize| {
-        let at = 2 * (k / half) * side + 2 * (k % half);
-        std::array::from_fn(|c| 0.25 * (slopes[at][c] + slopes[at + 1][c] + slopes[at + side][c] + slopes[at + side + 1][c]))
-    };
-    (0..half * half).map(mean).collect()
 }
 
 #[cfg(test)]

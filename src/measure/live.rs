@@ -6,6 +6,7 @@ use super::milliseconds;
 use crate::frame::Look;
 use crate::headless::Headless;
 use crate::scene::{uploads_within, Scene, SceneError};
+use crate::verify::triangles_by_patch;
 use crate::vulkan::{download, Context};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -137,11 +138,8 @@ impl<'a> LiveFlight<'a> {
         let holes = holes(&view.camera, &self.headless.depth()?, lowest - inside);
         let frame = self.headless.select_whole(self.scene, &view.without_culling(), cut, look)?;
         let selection = self.headless.read_selection(&frame)?;
-        let mut triangles = vec![Vec::new(); frame.tables.patches.len()];
-        for corners in &selection.triangles {
-            let patch = corners[0] >> terrane_planet::layout::VERTEX_BITS;
-            triangles[patch as usize].push(corners.map(|corner| corner & ((1 << terrane_planet::layout::VERTEX_BITS) - 1)));
-        }
+        // A triangle that belongs to no patch leaves a hole, which counts.
+        let (triangles, _) = triangles_by_patch(&frame.tables.patches, &selection.triangles);
         self.read_vertices(frame.tables.leaves.iter().map(|leaf| leaf.id))?;
         let mut surface = SurfaceCheck::default();
         for ((leaf, draw), triangles) in frame.tables.leaves.iter().zip(&frame.tables.patches).zip(&triangles) {

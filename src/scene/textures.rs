@@ -3,6 +3,7 @@
 use crate::vulkan::{vk, Access, Commands, Context, Image, ImageDescription, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
 use terrane_planet::horizon::HorizonMap;
+use terrane_planet::mip::halved;
 use terrane_planet::texture::{decode_slope, texture_side, PatchTexture, MIP_LEVELS};
 
 /// Slopes: half floats, since 16-bit normalised formats need not be filterable.
@@ -128,14 +129,7 @@ impl TextureMips {
 
 impl LinearLevel {
     fn halved(&self) -> LinearLevel {
-        let side = self.side / 2;
-        let at = |x: usize, y: usize| self.texels[y * self.side + x];
-        let mean = |k: usize| {
-            let (x, y) = (2 * (k % side), 2 * (k / side));
-            let [a, b, c, d] = [at(x, y), at(x + 1, y), at(x, y + 1), at(x + 1, y + 1)];
-            std::array::from_fn(|i| 0.25 * (a[i] + b[i] + c[i] + d[i]))
-        };
-        LinearLevel { side, texels: (0..side * side).map(mean).collect() }
+        LinearLevel { side: self.side / 2, texels: halved(&self.texels, self.side) }
     }
 
     fn half_slopes(&self) -> Vec<[u16; 2]> {

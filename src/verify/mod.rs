@@ -27,7 +27,8 @@ use terrane_planet::reference::cut::at_data_rim;
 use terrane_planet::store::{PlanetFile, StoreError};
 use terrane_planet::verify::{GridCache, LoadedPatch, RandomViews, SurfaceCheck};
 use terrane_planet::view::{Camera, View};
-use twins::{differing_triangles, triangles_by_patch, KnownPatch, Twin};
+pub(crate) use twins::triangles_by_patch;
+use twins::{differing_triangles, KnownPatch, Twin};
 
 /// Tolerances in pixels that random views take in turn, if none are asked for.
 pub const TOLERANCES: [f64; 4] = [1.0, 0.5, 2.0, 4.0];

@@ -97,7 +97,7 @@ impl<'a> Twin<'a> {
 }
 
 /// Emitted triangles by patch, and the number of those that name no vertex of any one patch.
-pub(super) fn triangles_by_patch(patches: &[PatchDraw], triangles: &[[u32; 3]]) -> (Vec<Vec<[u32; 3]>>, usize) {
+pub(crate) fn triangles_by_patch(patches: &[PatchDraw], triangles: &[[u32; 3]]) -> (Vec<Vec<[u32; 3]>>, usize) {
     let mut lists = vec![Vec::new(); patches.len()];
     let mut stray = 0;
     for triangle in triangles {

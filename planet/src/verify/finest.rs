@@ -8,11 +8,12 @@ use crate::progressive::PatchMesh;
 use crate::rays::box_tree::BoxTree;
 use crate::rays::patch_surface::grouped_grid;
 use crate::rays::{PatchSurface, Ray};
+use crate::recent::Recent;
 use crate::reference::cut::finest_cut;
 use crate::store::StoreError;
 use crate::tree::PatchTree;
 use glam::DVec3;
-use std::collections::{HashMap, HashSet};
+use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// Full grids kept in memory, of some 300 kB each (128 cells). Past it, those unused for longest go.
@@ -23,8 +24,7 @@ pub type Source = Box<dyn FnMut(PatchId) -> Result<PatchMesh, StoreError> + Send
 
 struct Kept {
     source: Source,
-    grids: HashMap<PatchId, (Arc<PatchSurface>, u64)>,
-    clock: u64,
+    grids: Recent<Arc<PatchSurface>>,
 }
 
 /// Full grids of patches, shared by all views.
@@ -37,7 +37,7 @@ pub struct GridCache {
 impl GridCache {
     /// Grids of a planet; `source` reads a patch.
     pub fn new(tree: &PatchTree, source: Source) -> GridCache {
-        let kept = Kept { source, grids: HashMap::new(), clock: 0 };
+        let kept = Kept { source, grids: Recent::new(MOST_GRIDS) };
         GridCache { kept: Mutex::new(kept), lattice: tree.lattice, triangles: grouped_grid(tree.cells) }
     }
 
@@ -47,20 +47,12 @@ impl GridCache {
     /// If the patch cannot be read.
     pub fn grid(&self, id: PatchId) -> Result<Arc<PatchSurface>, StoreError> {
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        kept.clock += 1;
-        let now = kept.clock;
-        if let Some((grid, used)) = kept.grids.get_mut(&id) {
-            *used = now;
-            return Ok(grid.clone());
-        }
-        if kept.grids.len() >= MOST_GRIDS {
-            let mut times: Vec<u64> = kept.grids.values().map(|(_, used)| *used).collect();
-            let (_, &mut middle, _) = times.select_nth_unstable(MOST_GRIDS / 2);
-            kept.grids.retain(|_, (_, used)| *used > middle);
+        if let Some(grid) = kept.grids.get(id) {
+            return Ok(grid);
         }
         let mesh = (kept.source)(id)?;
         let grid = Arc::new(PatchSurface::of_grid(&mesh, &self.lattice, &self.triangles));
-        kept.grids.insert(id, (grid.clone(), now));
+        kept.grids.insert(id, grid.clone());
         Ok(grid)
     }
 }
