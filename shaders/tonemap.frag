@@ -4,7 +4,7 @@
 //
 // The curve is that of AgX (Sobotka 2022) in Wrensch's fit: channels are mixed a little before it and unmixed after it, so that bright
 // colours pale towards white instead of turning to another hue, as the yellow and cyan of curves on each channel alone. Its
-// result is encoded already. Contrast and saturation are those of AgX's look "punchy", halved.
+// result is encoded already. Contrast and saturation are about those of its look "punchy".
 #include "light.glsl"
 
 layout(binding = 1) uniform sampler2D scene;
@@ -18,8 +18,8 @@ const mat3 MIX = mat3(0.936992, 0.016931, 0.016950, 0.031373, 0.951387, 0.031373
 const mat3 UNMIX = mat3(1.068485, -0.018402, -0.018424, -0.034099, 1.052838, -0.034102, -0.034445, -0.034420, 1.052547);
 // Powers of two that the curve maps to black and white.
 const vec2 RANGE = vec2(-12.47393, 4.026069);
-const float CONTRAST = 1.3;
-const float SATURATION = 1.25;
+const float CONTRAST = 1.4;
+const float SATURATION = 1.35;
 
 // The encoded display value of a radiance.
 vec3 filmic(vec3 color) {

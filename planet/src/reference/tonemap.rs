@@ -11,8 +11,8 @@ const UNMIX: Mat3 =
     Mat3::from_cols_array(&[1.068485, -0.018402, -0.018424, -0.034099, 1.052838, -0.034102, -0.034445, -0.034420, 1.052547]);
 /// Powers of two that the curve maps to black and white.
 const RANGE: (f32, f32) = (-12.47393, 4.026069);
-const CONTRAST: f32 = 1.3;
-const SATURATION: f32 = 1.25;
+const CONTRAST: f32 = 1.4;
+const SATURATION: f32 = 1.35;
 /// Luminance of the primaries.
 pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
