@@ -2,7 +2,7 @@
 // Ground: normals and albedo from per-patch textures, never from the triangles, lit by the sun and the sky.
 #include "frame.glsl"
 #include "skylight.glsl"
-#include "tiles.glsl"
+#include "clouds.glsl"
 
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(binding = 2) uniform sampler2DArray slopes;
@@ -114,7 +114,8 @@ void main() {
     float elevation = dot(up, light.sun);
     // The share of the sun's disc above the relief.
     float facing = max(dot(normal, light.sun), 0.0) * smoothstep(-PENUMBRA, PENUMBRA, elevation - ground.relief.x);
-    vec3 sun = sun_irradiance(height, elevation), sky = sky_irradiance(height, elevation);
+    vec3 sun = sun_irradiance(height, elevation) * cloud_shadow(from_centre, height, elevation, footprint);
+    vec3 sky = sky_irradiance(height, elevation);
     float open = (0.5 + 0.5 * dot(normal, up)) * ground.relief.y;
     // Light thrown back by the ground around, as bright as the ground here.
     vec3 bounce = color * (sun * max(elevation, 0.0) + sky);

@@ -167,6 +167,8 @@ void main() {
     words[at++] = bits(shading.anchor.y);
     words[at++] = bits(shading.anchor.z);
     words[at++] = bits(shading.sea_variance);
+    words[at++] = bits(shading.cloud_height);
+    words[at++] = bits(shading.cloud_depth);
     words[at++] = bits(emitstate.wanted);
     words[at++] = bits(emitstate.capacity);
     words[at++] = bits(emitstate.awake);

@@ -4,7 +4,7 @@
 // texture and not from the mesh, which may be coarser than the water is deep, so that coasts are sharp at every altitude.
 #include "mirrored_sky.glsl"
 #include "skylight.glsl"
-#include "tiles.glsl"
+#include "clouds.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D ground;
@@ -23,13 +23,13 @@ const vec3 FOAM = vec3(0.55, 0.58, 0.6);
 vec3 wave_slopes(vec3 from_camera, vec3 up, float footprint, out float variance) {
     vec3 place = in_periods(from_camera), weights = axis_weights(up), gradient = vec3(0.0);
     float texels = footprint * float(textureSize(waves, 0).x) / REPEAT_M, resolved = 0.0;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (weights[axis] <= 0.0) continue;
-        for (int k = 0; k < 3; ++k) {
-            float lod = log2(texels * WAVE_COPIES[k]);
-            if (lod > 7.0) break;
+    vec3 lods = log2(texels * vec3(WAVE_COPIES[0], WAVE_COPIES[1], WAVE_COPIES[2]));
+    int tiles = resolved_tiles(lods, 7.0);
+    for (uint axes = counted_axes(weights); axes != 0u;) {
+        int axis = next_axis(axes);
+        for (int k = 0; k < tiles; ++k) {
             vec2 at = (coordinates_along(axis, place) - DRIFT[k] * light.time / REPEAT_M) * WAVE_COPIES[k];
-            vec3 found = textureLod(waves, vec3(at, float(k)), lod).xyz;
+            vec3 found = textureLod(waves, vec3(at, float(k)), lods[k]).xyz;
             gradient += weights[axis] * gradient_along(axis, found.xy);
             resolved += weights[axis] * found.z;
         }
@@ -67,19 +67,21 @@ void main() {
     float t = distance_to_sea(ray);
     if (t < 0.0) return;
 
-    vec3 up = normalize(light.camera + ray * t);
+    vec3 from_centre = light.camera + ray * t, up = normalize(from_centre);
     float elevation = dot(up, light.sun), grazing = max(-dot(ray, up), 0.0);
     // As long as a pixel is wide, and half as long as it is deep: what lies between becomes roughness.
     float pixel = t * 2.0 * length(light.up) / light.size.y;
     float variance;
-    vec3 slopes = wave_slopes(ray * t, up, pixel / sqrt(max(grazing, 0.02)), variance);
+    float footprint = pixel / sqrt(max(grazing, 0.02));
+    vec3 slopes = wave_slopes(ray * t, up, footprint, variance);
     vec3 normal = normalize(up - slopes);
 
     // The water's depth below the surface point, and along the ray, which the surface bends.
     float water_depth = is_ground ? max(-ground_color.a, 0.0) : SHORE_RANGE;
     float under = water_depth / sqrt(1.0 - 0.56 * (1.0 - grazing * grazing));
     vec3 absorbed = exp(-under * vec3(0.35, 0.075, 0.06) * 0.7);
-    vec3 sun = sun_irradiance(light.sea_level, elevation), sky = sky_irradiance(light.sea_level, elevation);
+    vec3 sun = sun_irradiance(light.sea_level, elevation) * cloud_shadow(from_centre, light.sea_level, elevation, footprint);
+    vec3 sky = sky_irradiance(light.sea_level, elevation);
     vec3 lit = (sun * max(elevation, 0.0) + sky) / PI;
     vec3 body = mix(light.shallow, light.deep, 1.0 - exp(-water_depth / 25.0)) * lit * (1.0 - absorbed) + ground_color.rgb * absorbed;
 

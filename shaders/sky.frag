@@ -1,6 +1,8 @@
 #version 460
 // The air between the eye and whatever it sees, or space and the sun's disc where it sees nothing.
 #include "eye_air.glsl"
+#include "skylight.glsl"
+#include "clouds.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D scene;
@@ -25,6 +27,55 @@ vec3 sun_disc(vec3 ray) {
     return SUN / (PI * radius * radius) * seen * darkening;
 }
 
+// How high heaps of cloud rise over their edges in metres, for the light on them.
+const float HEAP = 2500.0;
+// Metres over which the sheet fades: about the eye, and where ground comes up to it.
+const float NEAR_FADE = 5000.0;
+const float GROUND_FADE = 500.0;
+// What ground and sea below throw back to the base of clouds.
+const float GROUND_LIGHT = 0.12;
+
+// Radiance of the clouds that a view ray meets at `t`, and the share of light that they let through.
+vec4 cloud_light(vec3 ray, float t) {
+    vec3 up = normalize(light.camera + ray * t);
+    float elevation = dot(up, light.sun), cosine = max(abs(dot(ray, up)), 0.1);
+    float footprint = t * 2.0 * length(light.up) / light.size.y * inversesqrt(cosine);
+    float coarse, here = cloudiness(up, footprint, coarse);
+    if (here <= 0.0) return vec4(0.0, 0.0, 0.0, 1.0);
+    vec3 sun = sun_irradiance(light.cloud_height, elevation), sky = sky_irradiance(light.cloud_height, elevation);
+    float depth = light.cloud_depth * here, level = max(elevation, 0.0), thrown_back = cloud_reflectance(depth / cosine);
+    if (light.altitude > light.cloud_height) {
+        // Heaps are bright on the side of the sun.
+        vec3 sunward = light.sun - up * elevation;
+        float across = length(sunward), step_m = max(1.5 * footprint, 6000.0);
+        vec3 beside = normalize(up + sunward / max(across, 1e-3) * (step_m / (light.radius + light.cloud_height)));
+        float slope = clamp(HEAP * (coarse - cloudiness_coarse(beside, footprint)) / step_m, -1.2, 1.2);
+        float facing = max(elevation + slope * across, 0.0) * inversesqrt(1.0 + slope * slope);
+        // A cloud hides what it does not throw back of the light from below by more than that: what it lets through, it blurs.
+        return vec4((sun * mix(level, facing, 0.7) + sky) / PI * thrown_back, 1.0 - thrown_back);
+    }
+    float direct = exp(-depth / cosine), along_sun = depth / max(elevation, 0.1);
+    float diffuse = max(1.0 - cloud_reflectance(along_sun) - exp(-along_sun), 0.0);
+    // Thin cloud about the sun is bright: drops scatter forwards.
+    float forward = mie_phase(dot(ray, light.sun)) * (1.0 - direct) * exp(-0.5 * along_sun);
+    vec3 base = GROUND_LIGHT * (sun * level + sky) * thrown_back;
+    return vec4((sun * level * diffuse + sky * (1.0 - direct) * (1.0 - 0.6 * thrown_back) + base) / PI + sun * forward, direct);
+}
+
+// Puts the clouds before what a view ray sees at `end`, air included.
+void add_clouds(vec3 ray, float end, Air air, inout vec3 color, inout float cover) {
+    vec2 hits = through_shell(ray, light.cloud_height);
+    float t = light.altitude > light.cloud_height ? hits.x : hits.y;
+    if (hits.x >= hits.y || t <= 0.0 || t >= end) return;
+    vec4 cloud = cloud_light(ray, t);
+    if (cloud.a >= 1.0) return;
+    air = nearer_air(air, t);
+    float shown = smoothstep(0.0, NEAR_FADE, t) * clamp((end - t) / GROUND_FADE, 0.0, 1.0);
+    cloud = mix(vec4(0.0, 0.0, 0.0, 1.0), cloud, shown);
+    color = scattered(air) + air.passed * cloud.rgb + cloud.a * (color - scattered(air));
+    cover = max(cover, 1.0 - cloud.a);
+}
+
 void main() {
     vec4 ground_color = texelFetch(scene, ivec2(gl_FragCoord.xy), 0);
     float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
@@ -42,9 +93,10 @@ void main() {
     if (sea > 0.0) end = sea;
     bool empty = end >= 1e29;
     vec3 color = empty ? sun_disc(ray) : ground_color.rgb;
-    vec3 scattered, passed;
-    air_before(ray, end, scattered, passed);
+    Air air = air_before(ray, end);
     // How much of what lies behind it is hidden, for pictures that are put before something else.
-    float cover = empty ? 1.0 - dot(passed, vec3(0.2126, 0.7152, 0.0722)) : 1.0;
-    out_color = vec4(min(color * passed + scattered, BRIGHTEST), cover);
+    float cover = empty ? 1.0 - dot(air.passed, vec3(0.2126, 0.7152, 0.0722)) : 1.0;
+    color = color * air.passed + scattered(air);
+    if (has_clouds()) add_clouds(ray, end, air, color, cover);
+    out_color = vec4(min(color, BRIGHTEST), cover);
 }

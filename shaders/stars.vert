@@ -43,12 +43,11 @@ void main() {
     if (ahead <= 0.0 || distance_to_sea(ray) > 0.0) return;
 
     float magnitude = FAINTEST + log2((float(star) + 0.5) / STARS) / (log2(10.0) * GROWTH);
-    vec3 scattered, passed;
-    air_before(ray, 1e30, scattered, passed);
-    float daylight = dot(scattered, vec3(0.2126, 0.7152, 0.0722)) / HIDING_LUMINANCE;
+    Air air = air_before(ray, 1e30);
+    float daylight = dot(scattered(air), vec3(0.2126, 0.7152, 0.0722)) / HIDING_LUMINANCE;
     vec2 pixel = vec2(2.0) / light.size;
     float angle = max(length(light.up) * pixel.y, FINEST_PIXEL);
-    out_radiance = MAGNITUDE_0 * exp2(-0.4 * log2(10.0) * magnitude) * black_body(mix(50.0, 300.0, random.z)) * passed
+    out_radiance = MAGNITUDE_0 * exp2(-0.4 * log2(10.0) * magnitude) * black_body(mix(50.0, 300.0, random.z)) * air.passed
         / (angle * angle * (1.0 + daylight * daylight));
 
     out_offset = REACH * (vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2.0 - 1.0);

@@ -230,6 +230,10 @@ gpu_structs! {
         anchor: [f32; 3],
         /// Variance of all slopes of the sea.
         sea_variance: f32,
+        /// Height of the clouds above the datum in metres.
+        cloud_height: f32,
+        /// Optical depth of clouds where they are thickest; 0: there are none.
+        cloud_depth: f32,
     }
 
     /// Counters that emission appends with, and the indirect draw they become.

@@ -5,6 +5,7 @@ pub mod bake;
 pub mod border;
 pub mod camera_path;
 pub mod classic;
+pub mod clouds;
 pub mod edits;
 pub mod export;
 pub mod grain;

@@ -56,20 +56,44 @@ vec3 slice(sampler2DArray table, vec2 place, float share) {
     return mix(a, b, at - below);
 }
 
-// Light scattered towards the eye over the first `distance` metres of a view ray, and the share of light that passes them.
-void air_before(vec3 ray, float distance, out vec3 scattered, out vec3 passed) {
-    scattered = vec3(0.0);
-    passed = vec3(1.0);
-    Way way;
-    if (!has_air() || !find_way(ray, way)) return;
-    float share = clamp((distance - way.start) / way.whole, 0.0, 1.0);
+// Optical depth over the share of the way to a distance; alpha is the mean opacity of the whole way.
+vec4 column_to(Way way, float share) {
     ivec2 size = textureSize(columns, 0);
-    vec4 column = textureLod(columns, vec2((0.5 + spread(share) * float(size.x - 1)) / float(size.x), way.place.y), 0.0);
-    passed = exp(-column.rgb * share);
-    vec3 opacity = 1.0 - passed;
-    float part = ray_part(share, dot(opacity, vec3(1.0 / 3.0)) / max(column.a, 1e-9));
+    return textureLod(columns, vec2((0.5 + spread(share) * float(size.x - 1)) / float(size.x), way.place.y), 0.0);
+}
+
+// The air before something.
+struct Air {
+    Way way;
+    // Share of light that passes it.
+    vec3 passed;
+    // Light scattered towards the eye, over opacity.
+    vec3 glow;
+};
+
+vec3 scattered(Air air) { return air.glow * (1.0 - air.passed); }
+
+float way_share(Way way, float distance) { return clamp((distance - way.start) / way.whole, 0.0, 1.0); }
+
+// The first `distance` metres of a view ray.
+Air air_before(vec3 ray, float distance) {
+    Air air = Air(Way(0.0, 0.0, vec2(0.0)), vec3(1.0), vec3(0.0));
+    if (!has_air() || !find_way(ray, air.way)) return air;
+    float share = way_share(air.way, distance);
+    vec4 column = column_to(air.way, share);
+    air.passed = exp(-column.rgb * share);
+    float part = ray_part(share, dot(1.0 - air.passed, vec3(1.0 / 3.0)) / max(column.a, 1e-9));
     float phase = mie_phase(dot(ray, light.sun));
-    scattered = opacity * (slice(scattered_table, way.place, part) + phase * slice(haze_table, way.place, part));
+    air.glow = slice(scattered_table, air.way.place, part) + phase * slice(haze_table, air.way.place, part);
+    return air;
+}
+
+// The nearer part of the air before something: it glows about as the whole does.
+Air nearer_air(Air whole, float distance) {
+    if (!has_air() || whole.way.whole <= 0.0) return whole;
+    float share = way_share(whole.way, distance);
+    whole.passed = exp(-column_to(whole.way, share).rgb * share);
+    return whole;
 }
 
 // The sky of a direction as from the eye, without the sun's disc: the whole way, for which the ends of the tables are enough.

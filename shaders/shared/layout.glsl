@@ -89,6 +89,8 @@ struct Shading {
     float time;
     vec3 anchor;
     float sea_variance;
+    float cloud_height;
+    float cloud_depth;
 };
 
 struct EmitState {

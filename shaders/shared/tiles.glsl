@@ -14,6 +14,23 @@ vec3 axis_weights(vec3 up) {
     return w / (w.x + w.y + w.z);
 }
 
+// The axes that count, as bits. Loops over them take one turn nearly everywhere; software renderers skip turns of loops, but not the
+// bodies of conditions that are false.
+uint counted_axes(vec3 weights) {
+    uvec3 counts = uvec3(greaterThan(weights, vec3(0.0)));
+    return counts.x | counts.y << 1u | counts.z << 2u;
+}
+
+// Takes the first axis out of what `counted_axes` found.
+int next_axis(inout uint axes) {
+    int axis = findLSB(axes);
+    axes &= axes - 1u;
+    return axis;
+}
+
+// How many of three tiles a pixel resolves to within a sixty-fourth or so: those whose level of detail, coarsest tile first, is below a limit.
+int resolved_tiles(vec3 lods, float limit) { return int(dot(vec3(lessThan(lods, vec3(limit))), vec3(1.0))); }
+
 // A place relative to the camera in periods of REPEAT_M, exact near the camera.
 vec3 in_periods(vec3 from_camera) { return (light.anchor + from_camera) / REPEAT_M; }
 

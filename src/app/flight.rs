@@ -116,6 +116,7 @@ impl Flight {
             Command::Freeze if self.selection == Selection::Follows => self.selection = Selection::Freezes,
             Command::Freeze => self.selection = Selection::Follows,
             Command::Screenshot => self.screenshot_wanted = true,
+            Command::Clouds => self.look.clouds = !self.look.clouds,
             Command::Sun(steps) => self.look.sun = DQuat::from_rotation_z(-SUN_STEP * steps) * self.look.sun,
             Command::Zoom(notches) => self.viewer.wheel(notches),
         }

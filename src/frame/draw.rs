@@ -5,7 +5,7 @@ use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
 use super::tiles::Tiles;
-use crate::scene::TexturePool;
+use crate::scene::Scene;
 use crate::shaders;
 use crate::vulkan::{
     vk, Blend, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource, Result,
@@ -51,7 +51,7 @@ impl Draw {
         &self,
         commands: &mut Commands,
         buffers: &FrameBuffers,
-        textures: &TexturePool,
+        scene: &Scene,
         targets: &Targets,
         air: &Air,
         tiles: &Tiles,
@@ -61,7 +61,7 @@ impl Draw {
             &[ColorTarget { view: ground, clear: Some([0.0; 4]) }],
             Some(DepthTarget { view: depth, clear: Some(0.0) }),
         )?;
-        let geometry = geometry(buffers);
+        let (geometry, textures) = (geometry(buffers), scene.textures());
         let shading = [
             ("Light", Resource::Storage(buffers.shading())),
             ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
@@ -69,7 +69,7 @@ impl Draw {
             ("relief", Resource::Sampled(textures.relief.view(), &textures.sampler)),
             tiles.grain(),
         ];
-        commands.bind(&self.fill, &[geometry.as_slice(), &shading, &air.light()].concat())?;
+        commands.bind(&self.fill, &[geometry.as_slice(), &shading, &air.light(), &scene.clouds().bound()].concat())?;
         commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
         commands.end_rendering()
     }

@@ -186,7 +186,7 @@ impl Renderer {
             commands.transition(samples.ground.view(), Access::Undefined, Access::ColorTarget)?;
             commands.transition(samples.depth.view(), Access::Undefined, Access::DepthTarget)?;
         }
-        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene.textures(), targets, air_tables, &self.tiles))?;
+        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene, targets, air_tables, &self.tiles))?;
         let edges = targets.edges.view();
         commands.transition(edges, Access::Undefined, Access::ColorTarget)?;
         if let Some(samples) = &targets.samples {
@@ -199,7 +199,7 @@ impl Renderer {
         commands.transition(edges, Access::ColorTarget, Access::Sampled)?;
         commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, targets, air_tables, &self.tiles))?;
+        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, scene.clouds(), targets, air_tables, &self.tiles))?;
         if look.mode == Mode::Wire {
             commands.transition(depth, Access::Sampled, Access::DepthTarget)?;
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
@@ -207,7 +207,7 @@ impl Renderer {
             commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         }
         commands.transition(water, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("sky", |c| self.sky.record(c, &self.buffers, targets, air_tables))?;
+        commands.zone("sky", |c| self.sky.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
         if self.starry && !look.mode.is_diagram() {
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
             commands.zone("stars", |c| self.stars.record(c, &self.buffers, targets, air_tables))?;

@@ -4,6 +4,7 @@ use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
 use super::tiles::Tiles;
+use crate::scene::CloudMaps;
 use crate::shaders;
 use crate::vulkan::{ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
@@ -26,6 +27,7 @@ impl Ocean {
         &self,
         commands: &mut Commands,
         buffers: &FrameBuffers,
+        clouds: &CloudMaps,
         targets: &Targets,
         air: &Air,
         tiles: &Tiles,
@@ -37,7 +39,7 @@ impl Ocean {
             ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
             tiles.waves(),
         ];
-        commands.bind(&self.pipeline, &[own.as_slice(), &air.light(), &air.eye()].concat())?;
+        commands.bind(&self.pipeline, &[own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat())?;
         commands.draw(3, 1)?;
         commands.end_rendering()
     }

@@ -23,6 +23,8 @@ pub struct Look {
     pub exposure: f32,
     /// How far metered exposure goes to its goal in this frame, from 0 to 1; none where exposure is fixed.
     pub metering: Option<f32>,
+    /// Whether clouds are drawn, and cast shadows, where the planet has any.
+    pub clouds: bool,
 }
 
 /// Factor from radiance to display for pictures in daylight.
@@ -68,6 +70,10 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
         shading.sea_level = sea.level_m as f32;
         shading.shallow = colour(sea.shallow);
         shading.deep = colour(sea.deep);
+    }
+    if let (Some(clouds), true) = (&recipe.clouds, look.clouds) {
+        shading.cloud_height = clouds.height_m as f32;
+        shading.cloud_depth = clouds.optical_depth as f32;
     }
     if let Some(air) = &recipe.atmosphere {
         add_air(&mut shading, air, lowest);

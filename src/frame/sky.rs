@@ -3,6 +3,7 @@
 use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
+use crate::scene::CloudMaps;
 use crate::shaders;
 use crate::vulkan::{ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
@@ -21,7 +22,14 @@ impl Sky {
     }
 
     /// Records the stage: reads `targets.water`, `targets.ground` (for its alpha) and `targets.depth`, fills `targets.scene`.
-    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, air: &Air) -> Result<()> {
+    pub(super) fn record(
+        &self,
+        commands: &mut Commands,
+        buffers: &FrameBuffers,
+        clouds: &CloudMaps,
+        targets: &Targets,
+        air: &Air,
+    ) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: Some([0.0; 4]) }], None)?;
         let own = [
             ("Light", Resource::Storage(buffers.shading())),
@@ -30,7 +38,7 @@ impl Sky {
             ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
             ("scene", Resource::Sampled(targets.water.view(), &targets.nearest)),
         ];
-        commands.bind(&self.pipeline, &[own.as_slice(), &air.eye()].concat())?;
+        commands.bind(&self.pipeline, &[own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat())?;
         commands.draw(3, 1)?;
         commands.end_rendering()
     }

@@ -3,6 +3,7 @@
 //!
 //! In: a planet file and a view. Out: the cut, and the resident patches that it draws.
 
+mod clouds;
 mod drawn_ground;
 mod keeper;
 mod loader;
@@ -11,6 +12,7 @@ mod resident;
 mod source;
 mod textures;
 
+pub use clouds::CloudMaps;
 pub use drawn_ground::DrawnGround;
 pub use keeper::CacheOptions;
 pub use options::{uploads_within, OnDemand, SceneOptions};
@@ -89,6 +91,7 @@ pub struct Scene {
     resident: HashMap<PatchId, ResidentPatch>,
     ground: DrawnGround,
     textures: TexturePool,
+    clouds: CloudMaps,
     loader: Loader,
     // Dropped after the loader, whose workers hand it what they built.
     _keeper: Option<Keeper>,
@@ -124,6 +127,7 @@ impl Scene {
             Budget::new(&options, planet.cells, most_patches, context.limits().max_image_array_layers);
         let layers = if options.textures { capacity } else { 1 };
         let textures = TexturePool::new(context, planet.cells, layers)?;
+        let clouds = CloudMaps::new(context, &planet.recipe)?;
         let tally = Arc::new(Tally::default());
         let (grids, sun) = (Arc::new(WideGrids::default()), Arc::new(RwLock::new(Sun::default())));
         let loader = Loader::new(under_way, || {
@@ -149,6 +153,7 @@ impl Scene {
             tree,
             resident: HashMap::new(),
             textures,
+            clouds,
             loader,
             _keeper: keeper,
             tally,
@@ -257,6 +262,11 @@ impl Scene {
     /// Textures of the resident patches.
     pub fn textures(&self) -> &TexturePool {
         &self.textures
+    }
+
+    /// Its clouds.
+    pub fn clouds(&self) -> &CloudMaps {
+        &self.clouds
     }
 
     /// Computes the cut of a view from what is resident, asks for what it lacks, and takes in up to `uploads` patches that have

@@ -34,7 +34,7 @@ use twins::{differing_triangles, KnownPatch, Twin};
 pub const TOLERANCES: [f64; 4] = [1.0, 0.5, 2.0, 4.0];
 
 /// The light does not matter here.
-const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::X, exposure: 1.0, metering: None };
+const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::X, exposure: 1.0, metering: None, clouds: true };
 
 /// The CPU's copies of the patches, and how to get more.
 pub struct Verifier {

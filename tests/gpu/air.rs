@@ -83,7 +83,7 @@ impl Studio {
         let view = View::new(camera, self.scene.lattice(), planet.cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();
         let sun = sun_over(place, azimuth, elevation);
-        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None };
+        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None, clouds: true };
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
         Picture {
             camera,

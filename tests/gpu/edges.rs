@@ -20,7 +20,7 @@ fn outline(samples: u32, finer: u32) -> Option<Vec<u8>> {
     // The same mesh for all: the tolerance is that of the small picture.
     let view = View::new(camera, scene.lattice(), scene.planet().cells, f64::from(finer));
     // Without air the outline is as sharp as it can be.
-    let look = Look { mode: Mode::Albedo, sun: sun_over(place, 135.0, 35.0), exposure: DAYLIGHT, metering: None };
+    let look = Look { mode: Mode::Albedo, sun: sun_over(place, 135.0, 35.0), exposure: DAYLIGHT, metering: None, clouds: true };
     scene.set_sun(look.sun);
     let cut = scene.settle(&view).unwrap();
     let mut headless = Headless::new(&context, (finer * SIZE[0], finer * SIZE[1])).unwrap();

@@ -23,7 +23,7 @@ fn show(context: &Arc<Context>, heading: f64, pitch: f64, elevation: f64, meteri
     let camera = Camera::looking(position, heading, pitch, 0.9, SIZE);
     let view = View::new(camera, scene.lattice(), planet.cells, 1.0);
     let cut = scene.settle(&view).unwrap();
-    let look = Look { mode: Mode::Shaded, sun: sun_over(place, 200.0, elevation), exposure: DAYLIGHT, metering };
+    let look = Look { mode: Mode::Shaded, sun: sun_over(place, 200.0, elevation), exposure: DAYLIGHT, metering, clouds: true };
     headless.render(&scene, &view, &cut, &look).unwrap();
     (headless.pixels().unwrap(), headless.radiance().unwrap())
 }

@@ -64,7 +64,7 @@ impl Studio {
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();
         let sun = sun_over(camera.position.normalize_or(DVec3::X), 135.0, 35.0);
-        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None };
+        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None, clouds: true };
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
         assert!(self.headless.radiance().unwrap().iter().all(|x| x.is_finite()), "{name}: radiance that is no number");
         let depth = self.headless.depth().unwrap();

@@ -15,7 +15,7 @@ use terrane_planet::view::{Camera, View};
 /// Size of the pictures.
 const SIZE: [u32; 2] = [320, 180];
 
-const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::new(0.8, 0.6, 0.0), exposure: DAYLIGHT, metering: None };
+const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::new(0.8, 0.6, 0.0), exposure: DAYLIGHT, metering: None, clouds: true };
 
 /// A viewer over the corner of a face, where patches are finest.
 #[derive(Clone, Copy)]

@@ -56,7 +56,7 @@ fn views(planet: &Planet) -> Vec<View> {
 /// Everything that a view draws: triangles as patches and vertices, whatever their order.
 fn drawn(context: &Arc<Context>, scene: &mut Scene, view: &View) -> BTreeSet<(PatchId, [u32; 3])> {
     let mut headless = Headless::new(context, (64, 64)).unwrap();
-    let look = Look { mode: Mode::Shaded, sun: DVec3::X, exposure: DAYLIGHT, metering: None };
+    let look = Look { mode: Mode::Shaded, sun: DVec3::X, exposure: DAYLIGHT, metering: None, clouds: true };
     let cut = scene.settle(view).unwrap();
     assert!(scene.is_settled());
     let report = headless.select_whole(scene, view, &cut, &look).unwrap();

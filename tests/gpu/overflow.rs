@@ -17,7 +17,7 @@ fn triangles_past_the_capacity_are_counted_and_not_written() {
     let mut bench = Bench::new(&context);
     let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     let cut = bench.scene.settle(&view).unwrap();
-    let look = Look { mode: Mode::Levels, sun: view.eye.normalize(), exposure: 1.0, metering: None };
+    let look = Look { mode: Mode::Levels, sun: view.eye.normalize(), exposure: 1.0, metering: None, clouds: true };
     let whole = bench.headless.render(&bench.scene, &view, &cut, &look).unwrap().counters;
     assert!(whole.wanted > CAPACITY && whole.wanted <= whole.capacity, "{whole:?}");
 

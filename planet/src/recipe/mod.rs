@@ -2,6 +2,7 @@
 //! which [`crate::terrain::Terrain`] is built. Keys, units and ranges are documented in `recipes/README.md`.
 
 mod atmosphere;
+mod clouds;
 mod edit;
 mod error;
 mod landform;
@@ -10,6 +11,7 @@ mod palette;
 mod reader;
 
 pub use atmosphere::Atmosphere;
+pub use clouds::Clouds;
 pub use edit::{Edit, EditRange, Shape};
 pub use error::RecipeError;
 pub use landform::{Canyons, Dunes};
@@ -57,6 +59,8 @@ pub struct Recipe {
     pub sea: Option<Sea>,
     /// The atmosphere, if any.
     pub atmosphere: Option<Atmosphere>,
+    /// The clouds, if any.
+    pub clouds: Option<Clouds>,
     /// Layers of the terrain, in the order in which they are composed.
     pub layers: Vec<Layer>,
     /// Changes of the ground after all layers, in order.
@@ -130,13 +134,28 @@ impl Recipe {
         let seed = reader.whole("seed")?;
         let sea = reader.table("sea")?.map(|r| Sea::read(&r)).transpose()?;
         let atmosphere = reader.table("atmosphere")?.map(|r| Atmosphere::read(&r)).transpose()?;
+        let clouds = reader.table("clouds")?.map(|r| Clouds::read(&r)).transpose()?;
         let layers = reader.tables("layer")?.iter().map(|r| Layer::read(r, radius)).collect::<Result<_, _>>()?;
         let edits = reader.tables("edit")?.iter().map(|r| Edit::read(r, radius)).collect::<Result<_, _>>()?;
         let palette = reader.table("palette")?.ok_or_else(|| reader.wrong("palette", 1, "nothing", "a table"))?;
         let palette = Palette::read(&palette)?;
         reader.finish()?;
         let (text, file) = (text.to_owned(), file.to_owned());
-        Ok(Self { name, radius, axial_tilt, seed, sea, atmosphere, layers, edits, palette, text, assets: Vec::new(), file })
+        Ok(Self {
+            name,
+            radius,
+            axial_tilt,
+            seed,
+            sea,
+            atmosphere,
+            clouds,
+            layers,
+            edits,
+            palette,
+            text,
+            assets: Vec::new(),
+            file,
+        })
     }
 
     /// The same planet with one edit more, at the end of its text.

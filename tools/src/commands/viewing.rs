@@ -253,6 +253,9 @@ pub(crate) struct LookOptions {
     /// and `auto` in a window.
     #[arg(long, value_name = "auto|VALUE", value_parser = exposure)]
     exposure: Option<Exposure>,
+    /// Leave the clouds out.
+    #[arg(long)]
+    clear_sky: bool,
 }
 
 /// How bright pictures are.
@@ -295,7 +298,7 @@ impl LookOptions {
             ModeOption::Albedo => Mode::Albedo,
             ModeOption::Depth => Mode::Depth,
         };
-        Look { mode, sun, exposure: DAYLIGHT * factor, metering }
+        Look { mode, sun, exposure: DAYLIGHT * factor, metering, clouds: !self.clear_sky }
     }
 }
 
