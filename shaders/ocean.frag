@@ -19,6 +19,18 @@ const vec2 DRIFT[3] = vec2[](vec2(6.0, 4.1), vec2(2.4, 1.2), vec2(0.9, -0.3));
 // Reflectance of foam.
 const vec3 FOAM = vec3(0.55, 0.58, 0.6);
 
+// Width in metres of the pattern of gusts, and by how many powers of two they change the waves' variance, one deviation.
+const float GUSTS = 6000e3;
+const float GUSTINESS = 0.22;
+
+// Factor on the variance of slopes: where the wind is stronger the sea is rougher, which shows in the sun's glitter from orbit. The
+// pattern is that of the shortest waves, stretched.
+float gusts(vec3 up) {
+    vec2 at = (up.xy + up.z * vec2(0.6, 0.8)) * light.radius / GUSTS;
+    vec3 found = textureLod(waves, vec3(at, 2.0), 1.0).xyz;
+    return exp2(GUSTINESS * (found.x + found.y) * inversesqrt(found.z));
+}
+
 // Slopes of the waves that a pixel resolves, as a gradient in space, and the variance of the slopes of those that it does not.
 vec3 wave_slopes(vec3 from_camera, vec3 up, float footprint, out float variance) {
     vec3 place = in_periods(from_camera), weights = axis_weights(up), gradient = vec3(0.0);
@@ -34,7 +46,7 @@ vec3 wave_slopes(vec3 from_camera, vec3 up, float footprint, out float variance)
             resolved += weights[axis] * found.z;
         }
     }
-    variance = max(light.sea_variance - resolved, 0.004);
+    variance = max(light.sea_variance * gusts(up) - resolved, 0.004);
     return gradient - up * dot(gradient, up);
 }
 

@@ -15,6 +15,9 @@ layout(location = 0) out vec4 out_color;
 // Largest radiance that is drawn: half floats end there.
 const float BRIGHTEST = 6e4;
 
+// Share of the sun's light that lenses and eyes spread over a steradian, times the cube of the angle (Vos 1984).
+const float GLARE = 1.7e-6;
+
 // The sun's disc, darker towards its limb and redder (Hestroffer and Magnan 1998); its edge as wide as a pixel.
 vec3 sun_disc(vec3 ray) {
     vec3 chord = ray - light.sun;
@@ -25,6 +28,14 @@ vec3 sun_disc(vec3 ray) {
     float cosine = sqrt(max(1.0 - distance * distance / (radius * radius), 0.0));
     vec3 darkening = pow(vec3(max(cosine, 0.05)), vec3(0.4, 0.5, 0.65));
     return SUN / (PI * radius * radius) * seen * darkening;
+}
+
+// Its glare on the sky about it, without which the disc would be a hole punched into paper; as far as the planet does not hide it.
+vec3 sun_glare(vec3 ray) {
+    vec3 chord = ray - light.sun;
+    float visible = sun_visibility(max(light.altitude - light.air_bottom, 0.0), dot(light.vertical, light.sun));
+    float away = dot(chord, chord) + SUN_RADIUS * SUN_RADIUS;
+    return vec3(SUN * visible * GLARE / (away * sqrt(away)));
 }
 
 // How high heaps of cloud rise over their edges in metres, for the light on them.
@@ -92,7 +103,7 @@ void main() {
     float sea = water ? distance_to_sea(ray) : -1.0;
     if (sea > 0.0) end = sea;
     bool empty = end >= 1e29;
-    vec3 color = empty ? sun_disc(ray) : ground_color.rgb;
+    vec3 color = empty ? sun_disc(ray) + sun_glare(ray) : ground_color.rgb;
     Air air = air_before(ray, end);
     // How much of what lies behind it is hidden, for pictures that are put before something else.
     float cover = empty ? 1.0 - dot(air.passed, vec3(0.2126, 0.7152, 0.0722)) : 1.0;
