@@ -207,6 +207,15 @@ fn belt(sine: f32) -> f32 {
     low + (high - low) * (sine - a) / (b - a)
 }
 
+/// Where a direction lies in the map, both coordinates from -1 to 1; twin of that in `shared/clouds.glsl`.
+pub fn octahedral(direction: DVec3) -> [f64; 2] {
+    let d = direction / (direction.x.abs() + direction.y.abs() + direction.z.abs());
+    if d.z >= 0.0 {
+        return [d.x, d.y];
+    }
+    [(1.0 - d.y.abs()).copysign(d.x), (1.0 - d.x.abs()).copysign(d.y)]
+}
+
 /// Direction of a place of the map, both coordinates from -1 to 1.
 fn unfolded(x: f64, y: f64) -> DVec3 {
     let z = 1.0 - x.abs() - y.abs();
@@ -245,6 +254,10 @@ mod tests {
         // What is the same place has the same direction, and a texel beside it another.
         let [a, b, c] = [unfolded(0.25, -1.0), unfolded(-0.25, -1.0), unfolded(0.25, -0.9)];
         assert!(a.distance(b) < 1e-12 && a.distance(c) > 0.05);
+        for [x, y] in [[0.3, 0.2], [-0.9, 0.8], [0.7, -0.6], [-0.1, -0.95]] {
+            let back = octahedral(unfolded(x, y));
+            assert!((back[0] - x).abs() + (back[1] - y).abs() < 1e-12);
+        }
         assert!(unfolded(0.0, 0.0).distance(DVec3::Z) < 1e-12 && unfolded(1.0, 1.0).distance(-DVec3::Z) < 1e-12);
     }
 

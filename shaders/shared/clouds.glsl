@@ -13,8 +13,8 @@ const float CLOUD_EDGE = 0.5;
 const float CLOUD_RISE = 0.45;
 // Width of the map's texels in radii and texels a side: the root of a sphere's area.
 const float CLOUD_TEXEL = 3.545;
-// Widths of the tiles of detail in metres, and what they add to the map at most, about.
-const vec3 DETAIL_WIDTHS = vec3(190e3, 37e3, 6.1e3);
+// Widths of the tiles of detail in radii of the planet (190, 37 and 6 km on the Earth), and what they add to the map at most, about.
+const vec3 DETAIL_WIDTHS = vec3(0.03, 0.0058, 0.00096);
 const vec3 DETAIL_SHARES = vec3(0.035, 0.03, 0.025);
 // Two and a half deviations of all of them together.
 const float DETAIL_MOST = 0.14;
@@ -46,13 +46,13 @@ float share_of_depth(float map) {
 float cloudiness(vec3 direction, float footprint, out float coarse) {
     float map = mapped_clouds(direction, footprint);
     coarse = share_of_depth(map);
-    vec3 weights = axis_weights(direction), place = direction * (light.radius + light.cloud_height);
-    vec3 lods = log2(footprint * float(textureSize(cloud_detail, 0).x) / DETAIL_WIDTHS);
+    vec3 weights = axis_weights(direction), widths = DETAIL_WIDTHS * light.radius;
+    vec3 lods = log2(footprint * float(textureSize(cloud_detail, 0).x) / widths);
     int tiles = map < -DETAIL_MOST ? 0 : resolved_tiles(lods, 6.0);
     for (uint axes = counted_axes(weights); axes != 0u;) {
         int axis = next_axis(axes);
         for (int k = 0; k < tiles; ++k) {
-            vec2 at = coordinates_along(axis, place) / DETAIL_WIDTHS[k];
+            vec2 at = coordinates_along(axis, direction) / DETAIL_WIDTHS[k];
             map += weights[axis] * DETAIL_SHARES[k] * textureLod(cloud_detail, at, lods[k]).r;
         }
     }

@@ -26,8 +26,8 @@ const AZIMUTHS: u32 = 64;
 const SHARES: u32 = 48;
 /// Parts of a ray at which scattered light is kept.
 const SLICES: u32 = 16;
-/// Points of a ray at which scattering is sampled: four to a slice.
-const NODES: u32 = 4 * (SLICES - 1) + 1;
+/// Points of a ray at which scattering is sampled: six to a slice.
+const NODES: u32 = 6 * (SLICES - 1) + 1;
 
 /// Format of the tables.
 const TABLE_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;

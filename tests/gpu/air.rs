@@ -10,6 +10,7 @@ use terrane::scene::{Scene, SceneOptions};
 use terrane::vulkan::Context;
 use terrane_planet::layout::{Mode, Shading};
 use terrane_planet::reference::air::{Air, SUN_RADIUS};
+use terrane_planet::reference::tonemap::display;
 use terrane_planet::sphere::direction_at;
 use terrane_planet::view::{Camera, View, NEAR};
 
@@ -83,7 +84,7 @@ impl Studio {
         let view = View::new(camera, self.scene.lattice(), planet.cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();
         let sun = sun_over(place, azimuth, elevation);
-        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None, clouds: true };
+        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None, clouds: false };
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
         Picture {
             camera,
@@ -137,37 +138,13 @@ impl Picture {
             let at =
                 |values: &[f32]| DVec3::new(values[4 * pixel].into(), values[4 * pixel + 1].into(), values[4 * pixel + 2].into());
             let (scattered, passed) = air.before(self.camera.position, ray, distance, self.sun);
-            let behind = if distance.is_infinite() { DVec3::ZERO } else { at(&self.without) };
+            let behind = if distance.is_infinite() { air.glare(self.camera.position, ray, self.sun) } else { at(&self.without) };
             let colours = [at(&self.with_air), behind * passed + scattered];
-            let [found, expected] = colours.map(|colour| 255.0 * displayed(colour * f64::from(DAYLIGHT)));
+            let [found, expected] = colours.map(|colour| 255.0 * display(Mode::Shaded, DAYLIGHT, colour.as_vec3()).as_dvec3());
             Some(((found - expected).abs().max_element(), pixel, [found, expected]))
         });
         differences.max_by(|a, b| a.0.total_cmp(&b.0)).unwrap()
     }
-}
-
-/// Twin of `tonemap.frag`, without the dither.
-fn displayed(colour: DVec3) -> DVec3 {
-    let mixed = DVec3::new(
-        0.936992 * colour.x + 0.031373 * colour.y + 0.031689 * colour.z,
-        0.016931 * colour.x + 0.951387 * colour.y + 0.031666 * colour.z,
-        0.016950 * colour.x + 0.031373 * colour.y + 0.951657 * colour.z,
-    );
-    let curve = |c: f64| {
-        let x = ((c.max(1e-10).log2() + 12.47393) / 16.499999).clamp(0.0, 1.0);
-        let y =
-            15.5 * x.powi(6) - 40.14 * x.powi(5) + 31.96 * x.powi(4) - 6.868 * x.powi(3) + 0.4298 * x * x + 0.1191 * x - 0.00232;
-        y.max(0.0).powf(1.3)
-    };
-    let x = DVec3::new(curve(mixed.x), curve(mixed.y), curve(mixed.z));
-    let grey = x.dot(DVec3::new(0.2126, 0.7152, 0.0722));
-    let x = DVec3::splat(grey) + 1.25 * (x - grey);
-    DVec3::new(
-        1.068485 * x.x - 0.034099 * x.y - 0.034445 * x.z,
-        -0.018402 * x.x + 1.052838 * x.y - 0.034420 * x.z,
-        -0.018424 * x.x - 0.034102 * x.y + 1.052547 * x.z,
-    )
-    .clamp(DVec3::ZERO, DVec3::ONE)
 }
 
 #[test]

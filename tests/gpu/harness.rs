@@ -61,10 +61,11 @@ pub(crate) fn device_with(samples: Option<u32>) -> Option<Checked> {
     }
 }
 
-/// Bakes a recipe of the planet crate into a temporary file.
-fn baked(name: &str, levels: u8, region: Option<Region>) -> (tempfile::TempDir, PathBuf) {
+/// Bakes a recipe of the planet crate, with some text after it, into a temporary file.
+fn baked(name: &str, more: &str, levels: u8, region: Option<Region>) -> (tempfile::TempDir, PathBuf) {
     let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("planet/recipes/{name}.toml"));
-    let planet = Planet::from_recipe(Recipe::load(&recipe).unwrap(), 32).unwrap();
+    let text = std::fs::read_to_string(&recipe).unwrap() + more;
+    let planet = Planet::from_recipe(Recipe::from_toml(&text, name, recipe.parent().unwrap()).unwrap(), 32).unwrap();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join(format!("{name}.planet"));
     let mut file = PlanetFile::create_or_resume(&path, &planet.header()).unwrap();
@@ -77,13 +78,20 @@ fn baked(name: &str, levels: u8, region: Option<Region>) -> (tempfile::TempDir, 
 pub(crate) fn planet_file() -> &'static Path {
     static FILE: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
     let region = Region { direction: DVec3::ONE.normalize(), radius_m: 500.0, to_level: 5 };
-    &FILE.get_or_init(|| baked("tiny", 1, Some(region))).1
+    &FILE.get_or_init(|| baked("tiny", "", 1, Some(region))).1
+}
+
+/// The coarsest level of the tiny planet under clouds; baked once a process.
+pub(crate) fn cloudy_planet_file() -> &'static Path {
+    static FILE: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
+    let clouds = "\n[clouds]\nheight_m = 1500.0\ncover = 0.5\n";
+    &FILE.get_or_init(|| baked("tiny", clouds, 0, None)).1
 }
 
 /// The coarsest level of a planet of the Earth's size and air; baked once a process.
 pub(crate) fn large_planet_file() -> &'static Path {
     static FILE: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
-    &FILE.get_or_init(|| baked("terra", 0, None)).1
+    &FILE.get_or_init(|| baked("terra", "", 0, None)).1
 }
 
 /// Everything that draws and checks the tiny planet.

@@ -13,6 +13,8 @@ use std::f64::consts::PI;
 pub const SUN: f64 = 10.0;
 /// The sun's angular radius.
 pub const SUN_RADIUS: f64 = 0.00465;
+/// Share of the sun's light in its glare over a steradian, times the cube of the angle; as in `sky.frag`.
+const GLARE: f64 = 1.7e-6;
 /// Irradiance of the night sky.
 const NIGHT: DVec3 = DVec3::new(0.014, 0.018, 0.024);
 /// Steps of a view ray, and of the sunlight's ray from each.
@@ -99,9 +101,7 @@ impl Air {
     fn sunlight(&self, place: DVec3, sun: DVec3, steps: usize) -> DVec3 {
         let r = place.length();
         let c = place.dot(sun) / r;
-        let horizon = -(1.0 - (self.bottom / r).min(1.0).powi(2)).sqrt();
-        let x = ((c - horizon) / (2.0 * SUN_RADIUS) + 0.5).clamp(0.0, 1.0);
-        let visible = x * x * (3.0 - 2.0 * x);
+        let visible = self.sun_visibility(r, c);
         if visible <= 0.0 {
             return DVec3::ZERO;
         }
@@ -118,6 +118,20 @@ impl Air {
             }
         }
         exp(-depth) * visible
+    }
+
+    /// Share of the sun's disc above the lowest ground's horizon at radius `r`, where its elevation has sine `c`.
+    fn sun_visibility(&self, r: f64, c: f64) -> f64 {
+        let horizon = -(1.0 - (self.bottom / r).min(1.0).powi(2)).sqrt();
+        let x = ((c - horizon) / (2.0 * SUN_RADIUS) + 0.5).clamp(0.0, 1.0);
+        x * x * (3.0 - 2.0 * x)
+    }
+
+    /// The sun's glare in a direction of the sky, before the air.
+    pub fn glare(&self, eye: DVec3, ray: DVec3, sun: DVec3) -> DVec3 {
+        let away = (ray - sun).length_squared() + SUN_RADIUS * SUN_RADIUS;
+        let r = eye.length();
+        DVec3::splat(SUN * self.sun_visibility(r, eye.dot(sun) / r) * GLARE / away.powf(1.5))
     }
 
     /// Where a ray enters the air, and where it leaves it or meets the lowest ground; whether it does that. None if it passes.

@@ -1,0 +1,135 @@
+//! Clouds: where the map says, seen from all sides; in tiles as in whole pictures; and not in diagrams.
+
+use crate::harness::{cloudy_planet_file, device};
+use glam::DVec3;
+use std::sync::Arc;
+use terrane::frame::{Look, DAYLIGHT};
+use terrane::headless::Headless;
+use terrane::scene::{Scene, SceneOptions};
+use terrane::stills::{Pixels, StillOptions, Studio};
+use terrane::vulkan::Context;
+use terrane_planet::clouds::{cloud_map, octahedral, CloudLevel, CLOUD_EDGE, CLOUD_SIDE};
+use terrane_planet::layout::Mode;
+use terrane_planet::sphere::direction_at;
+use terrane_planet::view::{Camera, View};
+
+const SIZE: [u32; 2] = [96, 96];
+/// Of the planet and of its clouds.
+const RADIUS: f64 = 30_000.0;
+const CLOUDS: f64 = 31_500.0;
+/// Radii from the planet's centre to the eye.
+const FAR: f64 = 6.0;
+/// What the detail adds to the map at most, and by how much it is exceeded where clouds are thick.
+const DETAIL: f32 = 0.16;
+const THICK: f32 = 0.4;
+
+struct Sky {
+    scene: Scene,
+    headless: Headless,
+}
+
+impl Sky {
+    fn new(context: &Arc<Context>) -> Sky {
+        let scene = Scene::open(context, cloudy_planet_file(), SceneOptions::default()).unwrap();
+        Sky { scene, headless: Headless::new(context, (SIZE[0], SIZE[1])).unwrap() }
+    }
+
+    fn view(&self, position: DVec3, pitch: f64, fov: f64) -> View {
+        View::new(Camera::looking(position, 0.0, pitch, fov, SIZE), self.scene.lattice(), self.scene.planet().cells, 1.0)
+    }
+
+    /// Radiance from above a direction, with the sun behind the eye.
+    fn from_afar(&mut self, direction: DVec3, mode: Mode, clouds: bool) -> (Camera, Vec<f32>) {
+        let view = self.view(direction * (FAR * RADIUS), -90.0, 0.11);
+        let cut = self.scene.settle(&view).unwrap();
+        let look = Look { mode, sun: direction, exposure: DAYLIGHT, metering: None, clouds };
+        self.headless.render(&self.scene, &view, &cut, &look).unwrap();
+        (view.camera, self.headless.radiance().unwrap())
+    }
+}
+
+/// Where a pixel's ray meets the sheet of clouds, as a direction from the planet's centre; none near its edge.
+fn cloud_place(camera: &Camera, pixel: usize) -> Option<DVec3> {
+    let (h, v) = camera.half_extents();
+    let x = (2.0 * (pixel as u32 % SIZE[0]) as f64 + 1.0) / f64::from(SIZE[0]) - 1.0;
+    let y = 1.0 - (2.0 * (pixel as u32 / SIZE[0]) as f64 + 1.0) / f64::from(SIZE[1]);
+    let ray = (camera.forward + camera.right() * (h * x) + camera.up * (v * y)).normalize();
+    let along = -camera.position.dot(ray);
+    let aside = camera.position.cross(ray).length();
+    let near = along - (CLOUDS * CLOUDS - aside * aside).sqrt();
+    (aside < 0.8 * RADIUS).then(|| (camera.position + ray * near).normalize())
+}
+
+/// Smallest and largest value of a level around a place.
+fn around(level: &CloudLevel, side: usize, direction: DVec3) -> [f32; 2] {
+    let [x, y] = octahedral(direction).map(|c| 0.5 * (c + 1.0) * (side - 1) as f64);
+    let texels = (0..=1).flat_map(|j| (0..=1).map(move |i| (x as i64 + i, y as i64 + j)));
+    let inside = |k: i64| k.clamp(0, side as i64 - 1) as usize;
+    texels.map(|(i, j)| level[inside(j) * side + inside(i)][0]).fold([1.0, 0.0], |[a, b], v| [a.min(v), b.max(v)])
+}
+
+#[test]
+fn clouds_lie_elsewhere_than_the_map_says() {
+    let Some(context) = device() else { return };
+    let mut sky = Sky::new(&context);
+    let recipe = &sky.scene.shared_planet().recipe;
+    let map = cloud_map(recipe, recipe.clouds.as_ref().unwrap(), CLOUD_SIDE);
+    // Corners, edges and sides of the octahedron.
+    let places = [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y, DVec3::new(1.0, -1.0, 0.0), DVec3::new(-1.0, 0.4, -0.8), DVec3::ONE];
+    let more = (0..17).map(|k| direction_at(f64::from(k * 10 - 80), f64::from(k * 137 % 360)));
+    let (mut thick, mut hidden, mut clear, mut changed, mut elsewhere) = (0, 0, 0, 0, 0);
+    for place in places.map(DVec3::normalize).into_iter().chain(more) {
+        let (camera, cloudy) = sky.from_afar(place, Mode::Shaded, true);
+        let (_, bare) = sky.from_afar(place, Mode::Shaded, false);
+        let pixel_m = (FAR - 1.0) * RADIUS * 2.0 * camera.half_extents().1 / f64::from(SIZE[1]);
+        let texel_m = 3.545 * CLOUDS / CLOUD_SIDE as f64;
+        let power = (pixel_m / texel_m).log2().round() as usize;
+        for pixel in 0..(SIZE[0] * SIZE[1]) as usize {
+            let Some(direction) = cloud_place(&camera, pixel) else { continue };
+            let [low, high] = around(&map[power], CLOUD_SIDE >> power, direction);
+            let [with, without] = [&cloudy, &bare].map(|p| p[4 * pixel] + p[4 * pixel + 1] + p[4 * pixel + 2]);
+            let differs = (with - without).abs() > 0.03 * without;
+            if low > CLOUD_EDGE + THICK {
+                thick += 1;
+                hidden += usize::from(differs);
+            } else if high < CLOUD_EDGE - DETAIL {
+                clear += 1;
+                changed += usize::from(differs);
+                let mirrored = DVec3::new(direction.x, -direction.y, direction.z);
+                elsewhere += usize::from(around(&map[power], CLOUD_SIDE >> power, mirrored)[0] > CLOUD_EDGE);
+            }
+        }
+    }
+    println!("{hidden} of {thick} thick, {changed} of {clear} clear");
+    assert!(thick > 500 && clear > 3000, "too little of each: {thick}, {clear}");
+    assert!(hidden * 100 > thick * 97, "{hidden} of {thick} places under thick cloud look another way");
+    assert!(changed * 200 < clear, "{changed} of {clear} places under a clear sky look another way");
+    assert!(elsewhere * 20 > clear, "a mirrored map would pass: {elsewhere} of {clear}");
+}
+
+#[test]
+fn tiles_have_other_clouds_than_the_whole() {
+    let Some(context) = device() else { return };
+    let mut sky = Sky::new(&context);
+    let view = sky.view(DVec3::new(0.3, 0.5, 0.6).normalize() * (CLOUDS + 900.0), -12.0, 1.1);
+    let cut = sky.scene.settle(&view).unwrap();
+    let look = Look { mode: Mode::Shaded, sun: view.eye.normalize(), exposure: DAYLIGHT, metering: None, clouds: true };
+    let mut draw = |tile| {
+        let mut studio = Studio::new(&context, SIZE, StillOptions { tile, ..StillOptions::default() }).unwrap();
+        match studio.draw(&sky.scene, &view, &cut, &look, &|_, _| ()).unwrap().pixels {
+            Pixels::Eight(pixels) => pixels,
+            _ => unreachable!("eight bits were asked for"),
+        }
+    };
+    let (whole, tiled) = (draw(256), draw(64));
+    let largest = whole.iter().zip(&tiled).map(|(a, b)| a.abs_diff(*b)).max();
+    assert!(largest <= Some(1), "{largest:?} steps");
+}
+
+#[test]
+fn clouds_hide_numbers() {
+    let Some(context) = device() else { return };
+    let mut sky = Sky::new(&context);
+    let [cloudy, bare] = [true, false].map(|clouds| sky.from_afar(DVec3::X, Mode::Albedo, clouds).1);
+    assert!(cloudy == bare, "clouds show in a diagram");
+}
