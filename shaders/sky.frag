@@ -49,8 +49,7 @@ const float GROUND_LIGHT = 0.12;
 // Radiance of the clouds that a view ray meets at `t`, and the share of light that they let through.
 vec4 cloud_light(vec3 ray, float t) {
     vec3 up = normalize(light.camera + ray * t);
-    float elevation = dot(up, light.sun), cosine = max(abs(dot(ray, up)), 0.1);
-    float footprint = t * 2.0 * length(light.up) / light.size.y * inversesqrt(cosine);
+    float elevation = dot(up, light.sun), cosine = slant(ray, up), footprint = pixel_on_clouds(t, cosine);
     float coarse, here = cloudiness(up, footprint, coarse);
     if (here <= 0.0) return vec4(0.0, 0.0, 0.0, 1.0);
     vec3 sun = sun_irradiance(light.cloud_height, elevation), sky = sky_irradiance(light.cloud_height, elevation);
@@ -75,9 +74,8 @@ vec4 cloud_light(vec3 ray, float t) {
 
 // Puts the clouds before what a view ray sees at `end`, air included.
 void add_clouds(vec3 ray, float end, Air air, inout vec3 color, inout float cover) {
-    vec2 hits = through_shell(ray, light.cloud_height);
-    float t = light.altitude > light.cloud_height ? hits.x : hits.y;
-    if (hits.x >= hits.y || t <= 0.0 || t >= end) return;
+    float t = distance_to_clouds(ray);
+    if (t < 0.0 || t >= end) return;
     vec4 cloud = cloud_light(ray, t);
     if (cloud.a >= 1.0) return;
     air = nearer_air(air, t);

@@ -2,6 +2,7 @@
 // Stars: a quad each, over the sky. A catalogue made of hashes: places without order, magnitudes as many as there are to the naked eye
 // (ten to the power of 0.51 more with each, 9,000 down to 6.5), colours of black bodies of 3,300 to 20,000 K.
 #include "eye_air.glsl"
+#include "clouds.glsl"
 
 layout(location = 0) out vec2 out_offset;
 layout(location = 1) flat out vec3 out_radiance;
@@ -47,7 +48,7 @@ void main() {
     float daylight = dot(scattered(air), vec3(0.2126, 0.7152, 0.0722)) / HIDING_LUMINANCE;
     vec2 pixel = vec2(2.0) / light.size;
     float angle = max(length(light.up) * pixel.y, FINEST_PIXEL);
-    out_radiance = MAGNITUDE_0 * exp2(-0.4 * log2(10.0) * magnitude) * black_body(mix(50.0, 300.0, random.z)) * air.passed
+    out_radiance = MAGNITUDE_0 * exp2(-0.4 * log2(10.0) * magnitude) * black_body(mix(50.0, 300.0, random.z)) * air.passed * starlight_through_clouds(ray)
         / (angle * angle * (1.0 + daylight * daylight));
 
     out_offset = REACH * (vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2.0 - 1.0);

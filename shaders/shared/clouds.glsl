@@ -64,6 +64,26 @@ float cloudiness_coarse(vec3 direction, float footprint) {
     return share_of_depth(mapped_clouds(direction, footprint));
 }
 
+// Where a view ray meets the sheet first; negative if it does not.
+float distance_to_clouds(vec3 ray) {
+    vec2 hits = through_shell(ray, light.cloud_height);
+    float t = light.altitude > light.cloud_height ? hits.x : hits.y;
+    return hits.x < hits.y && t > 0.0 ? t : -1.0;
+}
+
+// Cosine between a view ray and the vertical where it meets the sheet, and the width of a pixel there.
+float slant(vec3 ray, vec3 up) { return max(abs(dot(ray, up)), 0.1); }
+float pixel_on_clouds(float distance, float cosine) { return distance * 2.0 * length(light.up) / light.size.y * inversesqrt(cosine); }
+
+// Share of the light of stars that the clouds let through along a view ray.
+float starlight_through_clouds(vec3 ray) {
+    float t = distance_to_clouds(ray);
+    if (!has_clouds() || t < 0.0) return 1.0;
+    vec3 up = normalize(light.camera + ray * t);
+    float cosine = slant(ray, up), coarse;
+    return exp(-light.cloud_depth * cloudiness(up, pixel_on_clouds(t, cosine), coarse) / cosine);
+}
+
 // Share of light that a sheet of some optical depth throws back.
 float cloud_reflectance(float depth) { return depth / (depth + HALF_REFLECTED); }
 

@@ -210,7 +210,7 @@ impl Renderer {
         commands.zone("sky", |c| self.sky.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
         if self.starry && !look.mode.is_diagram() {
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
-            commands.zone("stars", |c| self.stars.record(c, &self.buffers, targets, air_tables))?;
+            commands.zone("stars", |c| self.stars.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
         }
         commands.transition(air, Access::ColorTarget, Access::Sampled)?;
         if look.metering.is_some() {

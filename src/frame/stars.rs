@@ -3,6 +3,7 @@
 use super::air::Air;
 use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
+use crate::scene::CloudMaps;
 use crate::shaders;
 use crate::vulkan::{vk, Blend, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
@@ -26,13 +27,20 @@ impl Stars {
     }
 
     /// Records the stage: adds to `targets.scene` where `targets.depth` has nothing.
-    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets, air: &Air) -> Result<()> {
+    pub(super) fn record(
+        &self,
+        commands: &mut Commands,
+        buffers: &FrameBuffers,
+        clouds: &CloudMaps,
+        targets: &Targets,
+        air: &Air,
+    ) -> Result<()> {
         commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: None }], None)?;
         let own = [
             ("Light", Resource::Storage(buffers.shading())),
             ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
         ];
-        commands.bind(&self.pipeline, &[own.as_slice(), &air.eye()].concat())?;
+        commands.bind(&self.pipeline, &[own.as_slice(), &air.eye(), &clouds.bound()].concat())?;
         commands.draw(4, STARS)?;
         commands.end_rendering()
     }
