@@ -14,6 +14,7 @@ mod craters;
 mod desert;
 mod dunes;
 pub(crate) mod edits;
+mod eroded;
 mod heightmap;
 mod noise;
 mod octaves;
