@@ -116,7 +116,7 @@ impl Mountains {
     /// How much of a range stands where, 0 to 1; nothing where that is 0 throughout.
     #[inline(always)]
     fn mask(&self, p: &Points, base: &Lane) -> Option<Lane> {
-        const FLANK: Ramp = Ramp::new([0.0, 0.65]);
+        const FLANK: Ramp = Ramp::new([0.0, 0.8]);
         let mut mask = self.above.lanes(base);
         if !any_above_zero(&mask) {
             return None;
