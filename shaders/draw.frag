@@ -20,6 +20,10 @@ layout(scalar, binding = 4) readonly buffer View { FrameView view; };
 // Radians, a little more than half the sun's disc: the relief is known to a texel only.
 const float PENUMBRA = 0.008;
 
+// Mean slope of the crowns of trees, and how much their brightness varies.
+const float CROWN_SLOPE = 0.7;
+const float CROWN_SHADE = 0.42;
+
 struct Ground {
     vec2 slope;
     vec3 albedo;
@@ -53,25 +57,42 @@ Ground ground_of(PatchDraw target, float distance, float slant) {
     return own;
 }
 
-// Copies of the grain within REPEAT_M: 5 m and 0.8 m wide, finer than what the finest patches hold.
-const float GRAIN_COPIES[2] = float[](211.0, 1361.0);
+// Layers of the grain: bare ground and grass, and the crowns of trees.
+const float GROUND_LAYER = 0.0;
+const float CROWN_LAYER = 1.0;
+// Copies of each within REPEAT_M. Ground: 5 m and 0.8 m wide, finer than what the finest patches hold. Crowns: 256 m and 146 m wide,
+// for trees of 8 and 4.6 m; in woods they stand in for the coarser copy of the ground.
+const float GROUND_COPIES[2] = float[](211.0, 1361.0);
+const float CROWN_COPIES[2] = float[](4.0, 7.0);
 
-// Slopes of the grain as a gradient in space, and its brightness; both fade into nothing where a pixel holds many of them.
-vec4 grain_of(vec3 from_camera, vec3 up, float footprint) {
-    vec4 sum = vec4(0.0);
-    float texels = footprint * float(textureSize(grain_map, 0).x) / REPEAT_M;
-    if (log2(texels * GRAIN_COPIES[0]) > 7.0) return sum;
-    vec3 place = in_periods(from_camera), weights = axis_weights(up);
+// Adds a copy of a layer: slopes as a gradient in space, and brightness; both fade into nothing where a pixel holds many of them.
+void add_grain(inout vec4 sum, vec3 place, vec3 weights, float texels, float copies, float layer, float share) {
+    float lod = log2(texels * copies);
+    if (lod > 7.0 || share <= 0.0) return;
     for (int axis = 0; axis < 3; ++axis) {
         if (weights[axis] <= 0.0) continue;
-        for (int k = 0; k < 2; ++k) {
-            float lod = log2(texels * GRAIN_COPIES[k]);
-            if (lod > 7.0) break;
-            vec3 found = textureLod(grain_map, vec3(coordinates_along(axis, place) * GRAIN_COPIES[k], 0.0), lod).xyz;
-            sum += weights[axis] * vec4(gradient_along(axis, found.xy), found.z);
-        }
+        vec3 found = textureLod(grain_map, vec3(coordinates_along(axis, place) * copies, layer), lod).xyz;
+        sum += share * weights[axis] * vec4(gradient_along(axis, found.xy), found.z);
     }
-    return sum;
+}
+
+// Grain of bare ground, and of what is wooded.
+void grain_of(vec3 from_camera, vec3 up, float footprint, float wooded, out vec4 bare, out vec4 crowns) {
+    bare = vec4(0.0);
+    crowns = vec4(0.0);
+    float texels = footprint * float(textureSize(grain_map, 0).x) / REPEAT_M;
+    if (log2(texels * CROWN_COPIES[0]) > 7.0) return;
+    vec3 place = in_periods(from_camera), weights = axis_weights(up);
+    add_grain(crowns, place, weights, texels, CROWN_COPIES[0], CROWN_LAYER, 0.8 * wooded);
+    add_grain(crowns, place + 0.37, weights, texels, CROWN_COPIES[1], CROWN_LAYER, 0.6 * wooded);
+    add_grain(bare, place, weights, texels, GROUND_COPIES[0], GROUND_LAYER, 1.0 - wooded);
+    add_grain(bare, place, weights, texels, GROUND_COPIES[1], GROUND_LAYER, 1.0);
+}
+
+// How much of the ground is under trees: what is dark and green.
+float wooded_share(vec3 albedo) {
+    float green = smoothstep(1.2, 1.45, albedo.g / max(albedo.r, 1e-3));
+    return green * smoothstep(0.085, 0.055, dot(albedo, vec3(0.3, 0.6, 0.1)));
 }
 
 vec3 level_color(uint level) {
@@ -88,11 +109,14 @@ void main() {
     vec3 along = normalize(target.grid_axis - up * dot(target.grid_axis, up));
     vec3 normal = normalize(up - along * ground.slope.x - cross(up, along) * ground.slope.y);
     float footprint = distance * 2.0 * length(light.up) / light.size.y * inversesqrt(max(abs(dot(in_place, normal)) / distance, 0.05));
-    vec4 grain = grain_of(in_place, up, footprint);
+    float wooded = wooded_share(ground.albedo);
+    vec4 bare, crowns;
+    grain_of(in_place, up, footprint, wooded, bare, crowns);
     // Snow and sand are smoother than what grows or lies about.
     float roughness = mix(0.26, 0.08, smoothstep(0.2, 0.6, dot(ground.albedo, vec3(0.3, 0.6, 0.1))));
-    normal = normalize(normal - roughness * (grain.xyz - normal * dot(grain.xyz, normal)));
-    ground.albedo *= 1.0 + 0.8 * roughness * grain.w;
+    vec3 gradient = roughness * bare.xyz + CROWN_SLOPE * crowns.xyz;
+    normal = normalize(normal - (gradient - normal * dot(gradient, normal)));
+    ground.albedo *= max(1.0 + 0.8 * roughness * bare.w + CROWN_SHADE * crowns.w, 0.15);
 
     if (light.mode == MODE_NORMALS) {
         out_color = vec4(0.5 + 0.5 * normal, 1.0);

@@ -97,6 +97,8 @@ impl View {
             direction: directions[i],
             height: heights[i],
             slope: (gradients[i][0] * gradients[i][0] + gradients[i][1] * gradients[i][1]).sqrt(),
+            north: -gradients[i][1],
+            spacing: spacing[i / self.columns][1],
         };
         let points: Vec<GroundPoint> = (0..heights.len()).map(ground).collect();
         let mut albedo = vec![[0; 3]; points.len()];

@@ -22,6 +22,10 @@ pub struct GroundPoint {
     pub height: f64,
     /// Tangent of the slope angle.
     pub slope: f64,
+    /// How much the ground rises a metre towards the north pole.
+    pub north: f64,
+    /// Metres between neighbouring points that are asked for: what is finer cannot be shown. 0 if there are none.
+    pub spacing: f64,
 }
 
 /// Colour of bare ground as a pure function of place, height and slope.

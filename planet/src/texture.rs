@@ -69,7 +69,8 @@ impl PatchTexture {
         let frame =
             Frame { datum: ground.lattice.radius * ground.lattice.unit, axis: DVec3::AXES[id.face.grid_axes().0].to_array() };
         let mut slopes = vec![[0; 2]; side * side];
-        let mut points = vec![GroundPoint { direction: DVec3::ZERO, height: 0.0, slope: 0.0 }; side * side];
+        let spacing = 0.5 * ground.lattice.sample_spacing(ground.cells, id.level) * ground.lattice.unit;
+        let mut points = vec![GroundPoint { direction: DVec3::ZERO, height: 0.0, slope: 0.0, north: 0.0, spacing }; side * side];
         for (row, (slopes, points)) in slopes.chunks_exact_mut(side).zip(points.chunks_exact_mut(side)).enumerate() {
             for first in (0..side).step_by(RUN) {
                 let run = first..(first + RUN).min(side);
@@ -131,16 +132,19 @@ fn unit(a: Vector) -> Vector {
     [a[0] / length, a[1] / length, a[2] / length]
 }
 
-/// Direction and slopes of the texel between four places (left and right on the lower row, then on the upper).
+/// Direction and slopes of the texel between four places (left and right on the lower row, then on the upper): along both tangents
+/// and towards the north.
 #[inline(always)]
-fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 2]) {
+fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 3]) {
     let up = unit(axes(|k| p00[k] + p10[k] + p01[k] + p11[k]));
     let share = dot(axis, up);
     let first = unit(axes(|k| axis[k] - up[k] * share));
     let second = cross(up, first);
     let normal = cross(axes(|k| p11[k] - p00[k]), axes(|k| p01[k] - p10[k]));
     let rise = dot(normal, up);
-    (up, [-dot(normal, first) / rise, -dot(normal, second) / rise])
+    let [along, across] = [-dot(normal, first) / rise, -dot(normal, second) / rise];
+    let north = (along * first[2] + across * second[2]) / (1.0 - up[2] * up[2]).max(1e-12).sqrt();
+    (up, [along, across, north])
 }
 
 /// Shapes up to [`RUN`] texels of a row, the first of which lies at `[column, row]`: encoded slopes, and the points whose albedo is
@@ -157,12 +161,12 @@ fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes
             (x[i], y[i], z[i]) = (d.x * radius, d.y * radius, d.z * radius);
         }
     }
-    let (mut ups, mut tangents) = ([[0.0; RUN]; 3], [[0.0; RUN]; 2]);
+    let (mut ups, mut tangents) = ([[0.0; RUN]; 3], [[0.0; RUN]; 3]);
     for i in 0..RUN {
         let place = |r: usize, i: usize| axes(|k| places[r][k][i]);
         let (up, slope) = shape([place(0, i), place(0, i + 1), place(1, i), place(1, i + 1)], frame.axis);
         (ups[0][i], ups[1][i], ups[2][i]) = (up[0], up[1], up[2]);
-        (tangents[0][i], tangents[1][i]) = (slope[0], slope[1]);
+        (tangents[0][i], tangents[1][i], tangents[2][i]) = (slope[0], slope[1], slope[2]);
     }
     let lower = &grid.metres[row * grid.side + column..];
     let upper = &grid.metres[(row + 1) * grid.side + column..];
@@ -172,6 +176,7 @@ fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes
         point.direction = DVec3::new(ups[0][i], ups[1][i], ups[2][i]);
         point.height = (lower[i] + lower[i + 1] + upper[i] + upper[i + 1]) * 0.25;
         point.slope = (slope[0] * slope[0] + slope[1] * slope[1]).sqrt();
+        point.north = tangents[2][i];
     }
 }
 

@@ -74,7 +74,13 @@ fn close_points_share_craters_wrongly() {
 fn albedo_depends_on_the_slice() {
     for name in SHIPPED {
         let (terrain, directions) = (terrain(name), spread(300));
-        let ground = |&direction: &DVec3| GroundPoint { direction, height: terrain.height(direction), slope: 0.3 };
+        let ground = |&direction: &DVec3| GroundPoint {
+            direction,
+            height: terrain.height(direction),
+            slope: 0.3,
+            north: 0.1,
+            spacing: 2.0,
+        };
         let points: Vec<GroundPoint> = directions.iter().map(ground).collect();
         let (mut whole, mut single) = (vec![[0; 3]; 300], vec![[0; 3]; 300]);
         terrain.albedo(&points, &mut whole);
@@ -218,7 +224,7 @@ fn dunes_are_not_steeper_behind() {
 fn dunes_keep_the_colour_of_the_ground() {
     let blue = |layer: &str| {
         let terrain = dry(layer);
-        let ground = |&direction: &DVec3| GroundPoint { direction, height: 0.0, slope: 0.0 };
+        let ground = |&direction: &DVec3| GroundPoint { direction, height: 0.0, slope: 0.0, north: 0.0, spacing: 2.0 };
         let points: Vec<GroundPoint> = spread(300).iter().filter(|d| d.z.abs() < 0.7).map(ground).collect();
         let mut colours = vec![[0; 3]; points.len()];
         terrain.albedo(&points, &mut colours);
@@ -235,7 +241,7 @@ fn poles_of_a_desert_have_no_ice() {
         let points: Vec<GroundPoint> = spread(4000)
             .into_iter()
             .filter(|d| (d.z - z).abs() < 0.01)
-            .map(|direction| GroundPoint { direction, height: 0.0, slope: 0.0 })
+            .map(|direction| GroundPoint { direction, height: 0.0, slope: 0.0, north: 0.0, spacing: 2.0 })
             .collect();
         let mut colours = vec![[0; 3]; points.len()];
         terrain.albedo(&points, &mut colours);

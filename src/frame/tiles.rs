@@ -1,8 +1,9 @@
-//! Tiles: maps that repeat over the whole planet, finer than what patches hold: waves of the sea and grain of the ground.
+//! Tiles: maps that repeat over the whole planet, finer than what patches hold: waves of the sea, grain of the ground,
+//! crowns of trees.
 
 use crate::vulkan::{vk, Context, Image, ImageDescription, Resource, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
-use terrane_planet::grain::{grain_map, GRAIN_SIDE};
+use terrane_planet::grain::{crown_map, grain_map, GRAIN_SIDE};
 use terrane_planet::waves::{wave_map, CASCADES, WAVE_SIDE};
 
 /// Slopes, and a third number.
@@ -29,7 +30,7 @@ impl Tiles {
                 ImageDescription { layers: layers as u32, array: true, mips, ..ImageDescription::new(name, size, FORMAT, usage) };
             Image::new(context, &description)
         };
-        let (waves, grain) = (image("waves", WAVE_SIDE, CASCADES.len())?, image("grain", GRAIN_SIDE, 1)?);
+        let (waves, grain) = (image("waves", WAVE_SIDE, CASCADES.len())?, image("grain", GRAIN_SIDE, 2)?);
         let mut upload = Upload::new(context, CHUNK);
         let mut stage = |image: &Image, layer: usize, levels: Vec<Vec<[f32; 3]>>| {
             for (mip, texels) in levels.iter().enumerate() {
@@ -42,6 +43,7 @@ impl Tiles {
             stage(&waves, layer, wave_map(cascade, layer as u64))?;
         }
         stage(&grain, 0, grain_map(1))?;
+        stage(&grain, 1, crown_map(2))?;
         upload.finish()?;
         let description = SamplerDescription { address: vk::SamplerAddressMode::REPEAT, ..SamplerDescription::default() };
         Ok(Tiles { waves, grain, sampler: Sampler::new(context, "tiles", &description)? })

@@ -37,10 +37,10 @@ pub struct Continents {
     pub north: f64,
 }
 
-/// Mountain ranges: ridged multifractal in a warped domain, along the zero lines of a range noise.
+/// Mountain ranges: eroded massifs in a warped domain, along the zero lines of a range noise.
 #[derive(Clone, Debug)]
 pub struct Mountains {
-    /// Octaves of the ridges.
+    /// Width of massifs, and the octaves of their gullies and crags.
     pub octaves: Octaves,
     /// Height of the highest ridge, in metres.
     pub amplitude_m: f64,

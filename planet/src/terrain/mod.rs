@@ -10,11 +10,14 @@
 mod albedo;
 pub(crate) mod angles;
 mod canyons;
+mod climate;
 mod craters;
 mod desert;
 mod dunes;
 pub(crate) mod edits;
+mod eroded;
 mod heightmap;
+mod living;
 pub(crate) mod noise;
 pub(crate) mod octaves;
 pub(crate) mod points;
@@ -31,6 +34,7 @@ use edits::Edits;
 use glam::DVec3;
 use heightmap::Heightmap;
 use noise::mix;
+use octaves::{Fractal, Ramp};
 use points::{Lane, Points, WideLane, LANES};
 use relief::{Continents, Hills, Mountains, Plains};
 
@@ -41,6 +45,8 @@ pub struct Terrain {
     sea_level: Option<f64>,
     /// Half-width in metres of the band about the sea that is flattened; 0 for none.
     beach_m: f64,
+    /// Where the coast has beaches.
+    coast: Fractal,
     /// Changes after all layers and beaches.
     edits: Edits,
     layers_range: (f64, f64),
@@ -62,6 +68,11 @@ enum Step {
 
 /// Slope at the waterline relative to what it would be without beaches.
 const BEACH_SLOPE: f64 = 0.22;
+/// How far the widest beaches are felt, in heights of a beach.
+const BEACH_REACH: f64 = 4.0;
+/// Length of a stretch of coast with or without beaches, in metres and in radii: whichever is less.
+const COAST_M: f64 = 9e3;
+const COAST: f64 = 0.05;
 
 impl Terrain {
     /// Prepares a recipe's terrain and decodes its heightmaps.
@@ -76,6 +87,7 @@ impl Terrain {
             steps,
             sea_level: recipe.sea.as_ref().map(|s| s.level_m),
             beach_m: recipe.sea.as_ref().map_or(0.0, |s: &Sea| s.beach_m),
+            coast: Fractal::few(mix(recipe.seed ^ 0xc0a5), COAST_M.min(COAST * recipe.radius), 4),
             edits: Edits::new(&recipe.edits, recipe.radius),
             layers_range: (0.0, 0.0),
             edits_range: Vec::new(),
@@ -137,9 +149,10 @@ impl Terrain {
         let p = self.points(directions.len(), |i| directions[i]);
         let mut sum = [0.0; LANES];
         self.compose(&p, Some(&mut sum));
+        self.shore(&p, &mut sum);
         for h in &mut sum {
             // Adding 0 turns -0 into 0.
-            *h = self.shore(*h) + 0.0;
+            *h += 0.0;
         }
         heights.copy_from_slice(&sum[..heights.len()]);
     }
@@ -199,14 +212,30 @@ impl Terrain {
         self.steps.iter().filter_map(|s| if let Step::Dunes(d) = s { Some(d) } else { None })
     }
 
-    /// Flattens the ground about sea level into beaches and shelves; monotone, and far from the sea nothing changes.
+    /// Flattens the ground about sea level into beaches and shelves, on some coasts more than on others; monotone, and far from the
+    /// sea nothing changes.
     #[inline(always)]
-    fn shore(&self, height: f64) -> f64 {
-        let Some(level) = self.sea_level.filter(|_| self.beach_m > 0.0) else {
-            return height;
-        };
-        let (h, w2) = (height - level, self.beach_m * self.beach_m);
-        level + h * (h * h + BEACH_SLOPE * w2) / (h * h + w2)
+    fn shore(&self, p: &Points, heights: &mut WideLane) {
+        let Some(level) = self.sea_level.filter(|_| self.beach_m > 0.0) else { return };
+        let reach = BEACH_REACH * self.beach_m;
+        if !heights.iter().fold(false, |any, h| any | ((h - level).abs() < reach)) {
+            return;
+        }
+        let sandy = self.sandy(p);
+        for i in 0..LANES {
+            let h = heights[i] - level;
+            let off = h / (reach * (0.12 + 0.88 * f64::from(sandy[i])));
+            let near = (1.0 - off * off).max(0.0);
+            let flat = level + h * (1.0 - (1.0 - BEACH_SLOPE) * near * near);
+            heights[i] = if near > 0.0 { flat } else { heights[i] };
+        }
+    }
+
+    /// How much beach the coast has here, 0 to 1.
+    #[inline(always)]
+    fn sandy(&self, p: &Points) -> Lane {
+        const SANDY: Ramp = Ramp::new([-0.05, 0.55]);
+        SANDY.lanes(&self.coast.brownian(p))
     }
 
     fn bound(&self) -> (f64, f64) {
@@ -221,7 +250,7 @@ impl Terrain {
             }
         }
         // Half a metre for rounding in the sums.
-        (self.shore(low) - 0.5, self.shore(high) + 0.5)
+        (low - 0.5, high + 0.5)
     }
 }
 
@@ -326,7 +355,13 @@ mod tests {
         for name in ["terra", "luna", "mars"] {
             let terrain = terrain(name);
             for directions in chunks(terrain.radius) {
-                let ground = |&direction: &DVec3| GroundPoint { direction, height: terrain.height(direction), slope: 0.3 };
+                let ground = |&direction: &DVec3| GroundPoint {
+                    direction,
+                    height: terrain.height(direction),
+                    slope: 0.3,
+                    north: 0.1,
+                    spacing: 2.0,
+                };
                 let points: Vec<GroundPoint> = directions.iter().step_by(7).map(ground).collect();
                 let [mut widest, mut narrower, mut portable] = [(); 3].map(|()| vec![[0; 3]; points.len()]);
                 albedo::chunk_albedo(&terrain, &points, &mut widest);

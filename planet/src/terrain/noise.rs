@@ -4,7 +4,7 @@
 //! Where a point lies in its cell is worked out in f64, the rest in f32: a tenth of a millimetre of a kilometre. A chunk that
 //! lies in one cell looks its eight gradients up once. Cells are 32-bit: recipes keep radius / wavelength below 2^30.
 
-use super::points::{axes, Points, LANES, TURNS};
+use super::points::{axes, Lane, Points, LANES, ROTATIONS, TURNS};
 use std::array;
 
 /// One step of the splitmix64 generator (Steele, Lea, Flood 2014).
@@ -57,7 +57,32 @@ impl Lattice {
 
     /// Calls `visit` with every lane and its noise.
     #[inline(always)]
-    pub(crate) fn noise(&self, p: &Points, mut visit: impl FnMut(usize, f32)) {
+    pub(crate) fn noise(&self, p: &Points, visit: impl FnMut(usize, f32)) {
+        self.visit(p, Noise(visit));
+    }
+
+    /// Calls `visit` with every lane, its noise, and how much that grows in one cell along each of the planet's axes.
+    #[inline(always)]
+    pub(crate) fn noise_and_slope(&self, p: &Points, visit: impl FnMut(usize, f32, [f32; 3])) {
+        self.visit(p, NoiseAndSlope { rows: self.rows(), visit });
+    }
+
+    /// Calls `visit` with every lane and the cosine and sine of waves that differ from cell to cell, blended. `waves` says for each
+    /// lane how many crests there are in one cell along each of the planet's axes.
+    #[inline(always)]
+    pub(crate) fn waves(&self, p: &Points, waves: &[Lane; 3], visit: impl FnMut(usize, f32, f32)) {
+        self.visit(p, Waves { rows: self.rows(), waves, visit });
+    }
+
+    /// Rows of the orientation's rotation matrix.
+    #[inline(always)]
+    fn rows(&self) -> [[f32; 3]; 3] {
+        axes(|row| axes(|k| ROTATIONS[self.turn][row][k] as f32))
+    }
+
+    /// Shows a visitor the cell of every lane.
+    #[inline(always)]
+    fn visit(&self, p: &Points, mut visitor: impl Visitor) {
         let points = &p.turned[self.turn].axes;
         let mut fractions = [[0.0; LANES]; 3];
         let [low, high] = self.span(p);
@@ -69,7 +94,7 @@ impl Lattice {
             }
             let gradients = Corners::new(self.seed, axes(|k| nearest(low[k]).0)).gradients();
             for i in 0..LANES {
-                visit(i, blend(axes(|k| fractions[k][i]), |corner| axes(|k| gradients[k][corner])));
+                visitor.see(i, axes(|k| fractions[k][i]), |corner| axes(|k| gradients[k][corner]));
             }
         } else {
             let mut cells = [[0; LANES]; 3];
@@ -82,7 +107,7 @@ impl Lattice {
             }
             for i in 0..LANES {
                 let corners = Corners::new(self.seed, axes(|k| cells[k][i]));
-                visit(i, blend(axes(|k| fractions[k][i]), |corner| corners.gradient(corner)));
+                visitor.see(i, axes(|k| fractions[k][i]), |corner| corners.gradient(corner));
             }
         }
     }
@@ -90,6 +115,9 @@ impl Lattice {
 
 /// 1.5 * 2^52: adding it rounds to a whole number that then stands in the low bits.
 const ROUND: f64 = 6_755_399_441_055_744.0;
+
+/// The same for f32: 1.5 * 2^23.
+const ROUND_F32: f32 = 12_582_912.0;
 
 /// The nearest whole number, as the low 32 bits of an integer and as a float. Half-way it may be either: noise is continuous
 /// there, so both give the same value. Branch-free and without `round`, so that it vectorises everywhere.
@@ -166,11 +194,105 @@ fn blend(at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]) -> f32 {
     (lerp(side(0), side(4), w) * SCALE).clamp(-1.0, 1.0)
 }
 
+/// What is worked out for a lane from its place in its cell, each coordinate between -1/2 and 1/2, and from the gradients of the
+/// cell's corners.
+trait Visitor {
+    fn see(&mut self, lane: usize, at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]);
+}
+
+struct Noise<V>(V);
+
+impl<V: FnMut(usize, f32)> Visitor for Noise<V> {
+    #[inline(always)]
+    fn see(&mut self, lane: usize, at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]) {
+        (self.0)(lane, blend(at, gradient));
+    }
+}
+
+struct NoiseAndSlope<V> {
+    rows: [[f32; 3]; 3],
+    visit: V,
+}
+
+impl<V: FnMut(usize, f32, [f32; 3])> Visitor for NoiseAndSlope<V> {
+    #[inline(always)]
+    fn see(&mut self, lane: usize, at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]) {
+        let (share, rise) = (axes(|k| fade(at[k])), axes(|k| fade_slope(at[k])));
+        // The plane of each corner: its value here, and its gradient.
+        let plane = |corner: usize| {
+            let (g, [x, y, z]) = (gradient(corner), offset(at, corner));
+            [g[0] * x + g[1] * y + g[2] * z, g[0], g[1], g[2]]
+        };
+        let edge = |corner: usize| joined(plane(corner), plane(corner + 1), [share[0], rise[0]], 1);
+        let side = |corner: usize| joined(edge(corner), edge(corner + 2), [share[1], rise[1]], 2);
+        let [noise, x, y, z] = joined(side(0), side(4), [share[2], rise[2]], 3);
+        let rows = &self.rows;
+        let slope = axes(|k| (rows[0][k] * x + rows[1][k] * y + rows[2][k] * z) * SCALE);
+        (self.visit)(lane, (noise * SCALE).clamp(-1.0, 1.0), slope);
+    }
+}
+
+struct Waves<'a, V> {
+    rows: [[f32; 3]; 3],
+    waves: &'a [Lane; 3],
+    visit: V,
+}
+
+impl<V: FnMut(usize, f32, f32)> Visitor for Waves<'_, V> {
+    #[inline(always)]
+    fn see(&mut self, lane: usize, at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]) {
+        /// How far the middle of a corner's waves is moved, at most, in cells.
+        const MOVED: f32 = 0.3 / 2_147_483_648.0;
+        let along = axes(|k| self.waves[k][lane]);
+        let own = axes(|row| self.rows[row][0] * along[0] + self.rows[row][1] * along[1] + self.rows[row][2] * along[2]);
+        let share = axes(|k| fade(at[k]));
+        let (mut cosine, mut sine) = (0.0, 0.0);
+        for corner in 0..8 {
+            let (g, [x, y, z]) = (gradient(corner), offset(at, corner));
+            let turns = own[0] * (x + g[0] * MOVED) + own[1] * (y + g[1] * MOVED) + own[2] * (z + g[2] * MOVED);
+            let part = |k: usize| if corner >> k & 1 == 0 { 1.0 - share[k] } else { share[k] };
+            let weight = part(0) * part(1) * part(2);
+            cosine += weight * sine_of_turns(turns + 0.25);
+            sine += weight * sine_of_turns(turns);
+        }
+        (self.visit)(lane, cosine, sine);
+    }
+}
+
+/// From a corner to a place in its cell.
+#[inline(always)]
+fn offset(at: [f32; 3], corner: usize) -> [f32; 3] {
+    axes(|k| if corner >> k & 1 == 0 { at[k] + 0.5 } else { at[k] - 0.5 })
+}
+
+/// The sine of so many whole turns, to 0.001: two parabolas, bent once more.
+#[inline(always)]
+fn sine_of_turns(turns: f32) -> f32 {
+    let t = turns - ((turns + ROUND_F32) - ROUND_F32);
+    let rough = 8.0 * t - 16.0 * t * t.abs();
+    rough + 0.224 * (rough * rough.abs() - rough)
+}
+
+/// Between two values with derivatives, by a share that grows by `rise` along the axis whose derivative stands at `axis`.
+#[inline(always)]
+fn joined(a: [f32; 4], b: [f32; 4], [share, rise]: [f32; 2], axis: usize) -> [f32; 4] {
+    let mut out = [lerp(a[0], b[0], share), lerp(a[1], b[1], share), lerp(a[2], b[2], share), lerp(a[3], b[3], share)];
+    out[axis] += (b[0] - a[0]) * rise;
+    out
+}
+
 /// Perlin's quintic, 0 to 1 over -1/2 to 1/2.
 #[inline(always)]
 fn fade(t: f32) -> f32 {
     let t2 = t * t;
     t * (t2 * (t2 * 6.0 - 5.0) + 1.875) + 0.5
+}
+
+/// Its derivative.
+#[inline(always)]
+fn fade_slope(t: f32) -> f32 {
+    let t2 = t * t;
+    t2 * (t2 * 30.0 - 15.0) + 1.875
 }
 
 #[inline(always)]
@@ -181,11 +303,9 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
 /// The noise of a lattice of unit cells at one place within 2^20 of the origin.
 #[inline(always)]
 pub(crate) fn noise_at(seed: u32, at: [f32; 3]) -> f32 {
-    /// 1.5 * 2^23, see [`ROUND`].
-    const ROUND: f32 = 12_582_912.0;
-    let rounded = axes(|k| at[k] + ROUND);
+    let rounded = axes(|k| at[k] + ROUND_F32);
     let corners = Corners::new(seed, axes(|k| rounded[k].to_bits()));
-    blend(axes(|k| at[k] - (rounded[k] - ROUND)), |corner| corners.gradient(corner))
+    blend(axes(|k| at[k] - (rounded[k] - ROUND_F32)), |corner| corners.gradient(corner))
 }
 
 /// Noise of every lane, for those who do not sum octaves.
@@ -219,6 +339,46 @@ mod tests {
                 assert_eq!(together[i].to_bits(), lanes(&lattice, &alone)[0].to_bits(), "{cell_m} m");
             }
         }
+    }
+
+    #[test]
+    fn slope_is_not_the_derivative() {
+        let (lattice, metres) = (Lattice::new(7, 1, 300.0), 0.5);
+        let p = points(5e3);
+        let mut slopes = [[0.0; 3]; LANES];
+        let mut values = [0.0; LANES];
+        lattice.noise_and_slope(&p, |i, value, slope| (values[i], slopes[i]) = (value, slope));
+        assert_eq!(values, lanes(&lattice, &p));
+        for k in 0..3 {
+            let moved = |by: f64| {
+                let mut place = p.place;
+                place[k].iter_mut().for_each(|x| *x += by);
+                lanes(&lattice, &Points::at(place))
+            };
+            let (back, ahead) = (moved(-metres), moved(metres));
+            for i in 0..LANES {
+                let found = (ahead[i] - back[i]) * 300.0 / (2.0 * metres as f32);
+                assert!((found - slopes[i][k]).abs() < 0.01, "axis {k}: {found} and {}", slopes[i][k]);
+            }
+        }
+    }
+
+    #[test]
+    fn waves_are_not_waves() {
+        for i in -300..300 {
+            let turns = i as f32 * 0.01;
+            assert!((sine_of_turns(turns) - (turns * std::f32::consts::TAU).sin()).abs() < 2e-3, "{turns}");
+        }
+        // One crest a cell along x: over a cell there is a whole one, and none across.
+        let (lattice, p) = (Lattice::new(7, 1, 300.0), points(5e3));
+        let mut still = [0.0; LANES];
+        lattice.waves(&p, &[[0.0; LANES]; 3], |i, cosine, sine| still[i] = (cosine - 1.0).abs() + sine.abs());
+        assert!(still.iter().all(|x| *x < 2e-3), "{still:?}");
+        let mut sums = [0.0; 2];
+        lattice.waves(&p, &[[1.0; LANES], [0.0; LANES], [0.0; LANES]], |_, cosine, sine| {
+            sums = [sums[0] + cosine, sums[1] + cosine * cosine + sine * sine];
+        });
+        assert!(sums[0].abs() < 0.3 * LANES as f32 && sums[1] > 0.1 * LANES as f32, "{sums:?}");
     }
 
     #[test]

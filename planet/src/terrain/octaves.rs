@@ -12,6 +12,8 @@ const LACUNARITY: f64 = 1.97;
 #[derive(Clone, Debug)]
 pub(crate) struct Fractal {
     octaves: Vec<(Lattice, f32)>,
+    /// Wavelength of each octave in metres.
+    wavelengths_m: Vec<f32>,
     /// Sum of the amplitudes, the first being 1: the bound of the sum of octaves.
     pub(crate) total: f64,
 }
@@ -19,16 +21,17 @@ pub(crate) struct Fractal {
 impl Fractal {
     /// Octaves from `wavelength_m` down to `detail_m`, each `gain` times the one before.
     pub(crate) fn new(seed: u64, run: &Octaves) -> Self {
-        let (mut octaves, mut total) = (Vec::new(), 0.0);
+        let (mut octaves, mut wavelengths_m, mut total) = (Vec::new(), Vec::new(), 0.0);
         let (mut wavelength, mut amplitude) = (run.wavelength_m, 1.0);
         while wavelength >= run.detail_m {
             let turn = octaves.len() + (seed >> 32) as usize;
             octaves.push((Lattice::new(mix(seed ^ mix(octaves.len() as u64)), turn, wavelength), amplitude as f32));
+            wavelengths_m.push(wavelength as f32);
             total += amplitude;
             wavelength /= LACUNARITY;
             amplitude *= run.gain;
         }
-        Self { octaves, total }
+        Self { octaves, wavelengths_m, total }
     }
 
     /// A few octaves from one wavelength, at half the amplitude each.
@@ -54,6 +57,23 @@ impl Fractal {
     #[inline(always)]
     pub(crate) fn brownian(&self, p: &Points) -> Lane {
         self.sum(p, |noise| noise)
+    }
+
+    /// Fractional Brownian motion as far as samples `spacing` metres apart show it: octaves fade out before they are too fine.
+    #[inline(always)]
+    pub(crate) fn seen(&self, p: &Points, spacing: &Lane) -> Lane {
+        let mut sum = [0.0; LANES];
+        for ((lattice, amplitude), wavelength_m) in self.octaves.iter().zip(&self.wavelengths_m) {
+            let mut share = [0.0; LANES];
+            for i in 0..LANES {
+                share[i] = (wavelength_m / spacing[i] - 1.5).clamp(0.0, 1.0) * amplitude;
+            }
+            if !any_above_zero(&share) {
+                break;
+            }
+            lattice.noise(p, |i, noise| sum[i] += noise * share[i]);
+        }
+        sum
     }
 
     /// Ridged multifractal from 0 to 1: sharp crests, each octave damped where the ones before it are low, so that

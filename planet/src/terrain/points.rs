@@ -32,7 +32,7 @@ const QUATERNIONS: [[f64; 4]; TURNS] =
 pub(crate) const TURNS: usize = 4;
 
 /// Rows of each orientation's rotation matrix.
-const ROTATIONS: [[[f64; 3]; 3]; TURNS] =
+pub(crate) const ROTATIONS: [[[f64; 3]; 3]; TURNS] =
     [rotation(QUATERNIONS[0]), rotation(QUATERNIONS[1]), rotation(QUATERNIONS[2]), rotation(QUATERNIONS[3])];
 
 /// Rotation matrix of a quaternion of any length but 0.

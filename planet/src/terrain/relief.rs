@@ -1,6 +1,7 @@
 //! The noise layers: continents, mountains, hills, plains. In: a chunk of points in metres and the base elevation. Out:
 //! metres of the layer's own at each point, or nothing where it is hidden from the whole chunk.
 
+use super::eroded::Eroded;
 use super::noise::mix;
 use super::octaves::{any_above_zero, Fractal, Ramp, Warp};
 use super::points::{Lane, Points, LANES};
@@ -72,7 +73,7 @@ const RIDGE_FADE_M: [f64; 2] = [-3800.0, -2500.0];
 
 /// Mountain ranges.
 pub(crate) struct Mountains {
-    fractal: Fractal,
+    eroded: Eroded,
     warp: Option<Warp>,
     ranges: Fractal,
     /// How high each stretch of a range stands; breaks closed lines into separate ranges.
@@ -85,7 +86,7 @@ pub(crate) struct Mountains {
 impl Mountains {
     pub(crate) fn new(seed: u64, recipe: &recipe::Mountains) -> Self {
         Self {
-            fractal: Fractal::new(seed, &recipe.octaves),
+            eroded: Eroded::new(seed, &recipe.octaves),
             warp: Warp::new(mix(seed ^ 1), recipe.octaves.wavelength_m, recipe.warp_m, 2),
             ranges: Fractal::few(mix(seed ^ 2), recipe.range_m, 5),
             vigour: Fractal::few(mix(seed ^ 3), recipe.range_m * 0.6, 2),
@@ -100,9 +101,14 @@ impl Mountains {
         let mask = self.mask(p, base)?;
         let mut room = None;
         let p = Warp::moved(self.warp.as_ref(), p, &mut room);
-        let mut own = self.fractal.ridged(p);
+        let ridges_m = (1.0 - UPLIFT) * self.amplitude_m as f32 / self.eroded.highest();
+        let mut scale = mask;
+        for v in &mut scale {
+            *v *= ridges_m;
+        }
+        let mut own = self.eroded.metres(p, &scale);
         for i in 0..LANES {
-            own[i] = self.amplitude_m as f32 * mask[i] * (UPLIFT * mask[i] + (1.0 - UPLIFT) * own[i]);
+            own[i] += self.amplitude_m as f32 * UPLIFT * mask[i] * mask[i];
         }
         Some(own)
     }
@@ -110,7 +116,7 @@ impl Mountains {
     /// How much of a range stands where, 0 to 1; nothing where that is 0 throughout.
     #[inline(always)]
     fn mask(&self, p: &Points, base: &Lane) -> Option<Lane> {
-        const FLANK: Ramp = Ramp::new([0.0, 1.0]);
+        const FLANK: Ramp = Ramp::new([0.0, 0.8]);
         let mut mask = self.above.lanes(base);
         if !any_above_zero(&mask) {
             return None;
@@ -130,7 +136,7 @@ impl Mountains {
 }
 
 /// Share of a range's height that is a smooth swell under the ridges.
-const UPLIFT: f32 = 0.12;
+const UPLIFT: f32 = 0.15;
 
 /// Hills, or mounds and gullies.
 pub(crate) struct Hills {
