@@ -12,7 +12,7 @@ mod reader;
 pub use atmosphere::Atmosphere;
 pub use edit::{Edit, EditRange, Shape};
 pub use error::RecipeError;
-pub use landform::{Canyons, Dunes};
+pub use landform::{Canyons, Caps, Dunes, Lava, Rift, Shield};
 pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
 pub use palette::{Airless, Colour, Desert, Living, Palette};
 

@@ -10,29 +10,38 @@
 mod albedo;
 pub(crate) mod angles;
 mod canyons;
+mod caps;
 mod craters;
 mod desert;
 mod dunes;
 pub(crate) mod edits;
 mod heightmap;
+mod lava;
 mod noise;
 mod octaves;
+mod place;
 mod points;
 mod profile;
 mod regions;
 mod relief;
+mod rift;
+mod shield;
 
 pub use crate::ground::GroundPoint;
 use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
 use canyons::Canyons;
+use caps::Caps;
 use craters::Craters;
 use dunes::Dunes;
 use edits::Edits;
 use glam::DVec3;
 use heightmap::Heightmap;
+use lava::Lava;
 use noise::mix;
 use points::{Lane, Points, WideLane, LANES};
 use relief::{Continents, Hills, Mountains, Plains};
+use rift::Rift;
+use shield::Shield;
 
 /// A planet's ground, ready to evaluate. Shared freely between threads.
 pub struct Terrain {
@@ -57,6 +66,10 @@ enum Step {
     Craters(Craters),
     Canyons(Canyons),
     Dunes(Dunes),
+    Lava(Lava),
+    Caps(Caps),
+    Shield(Shield),
+    Rift(Rift),
     Heightmap(Box<Heightmap>),
 }
 
@@ -153,6 +166,8 @@ impl Terrain {
             let own = match step {
                 Step::Continents(layer) => Some(layer.metres(p)),
                 Step::Craters(layer) if layer.basins() => layer.metres(p, &base),
+                Step::Lava(layer) => layer.metres(p, &base),
+                Step::Shield(layer) => layer.metres(p),
                 Step::Heightmap(layer) => {
                     self.replace(layer, p, &mut base, height.as_deref_mut());
                     None
@@ -164,6 +179,8 @@ impl Terrain {
                 Step::Craters(layer) => layer.metres(p, &base),
                 Step::Canyons(layer) => layer.metres(p, &base),
                 Step::Dunes(layer) => layer.metres(p, &base),
+                Step::Caps(layer) => layer.metres(p),
+                Step::Rift(layer) => layer.metres(p),
             };
             let Some(own) = own else { continue };
             if step.is_base() {
@@ -195,6 +212,10 @@ impl Terrain {
         self.steps.iter().filter_map(|s| if let Step::Craters(c) = s { Some(c) } else { None })
     }
 
+    fn caps(&self) -> impl Iterator<Item = &Caps> {
+        self.steps.iter().filter_map(|s| if let Step::Caps(c) = s { Some(c) } else { None })
+    }
+
     fn dunes(&self) -> impl Iterator<Item = &Dunes> {
         self.steps.iter().filter_map(|s| if let Step::Dunes(d) = s { Some(d) } else { None })
     }
@@ -216,7 +237,7 @@ impl Terrain {
                 let (l, h) = map.range();
                 (low, high) = (f64::min(low, l), f64::max(high, h));
             } else {
-                let (l, h) = step.range();
+                let (l, h) = step.range(low);
                 (low, high) = (low + l, high + h);
             }
         }
@@ -241,6 +262,10 @@ impl Step {
             Layer::Craters(l) => Self::Craters(Craters::new(seed, l, recipe.radius)),
             Layer::Canyons(l) => Self::Canyons(Canyons::new(seed, l)),
             Layer::Dunes(l) => Self::Dunes(Dunes::new(seed, l, recipe.radius)),
+            Layer::Lava(l) => Self::Lava(Lava::new(seed, l)),
+            Layer::Caps(l) => Self::Caps(Caps::new(seed, l, recipe.radius)),
+            Layer::Shield(l) => Self::Shield(Shield::new(seed, l, recipe.radius)),
+            Layer::Rift(l) => Self::Rift(Rift::new(seed, l, recipe.radius)),
             Layer::Heightmap(l) => Self::Heightmap(Box::new(Heightmap::new(recipe, l)?)),
         })
     }
@@ -248,13 +273,15 @@ impl Step {
     /// Whether the layer belongs to the base elevation, which decides where others fade in.
     fn is_base(&self) -> bool {
         match self {
-            Self::Continents(_) | Self::Heightmap(_) => true,
+            Self::Continents(_) | Self::Heightmap(_) | Self::Lava(_) | Self::Shield(_) => true,
             Self::Craters(layer) => layer.basins(),
-            Self::Mountains(_) | Self::Hills(_) | Self::Plains(_) | Self::Canyons(_) | Self::Dunes(_) => false,
+            Self::Mountains(_) | Self::Hills(_) | Self::Plains(_) => false,
+            Self::Canyons(_) | Self::Dunes(_) | Self::Caps(_) | Self::Rift(_) => false,
         }
     }
 
-    fn range(&self) -> (f64, f64) {
+    /// Least and most that the layer adds to ground no lower than `low`.
+    fn range(&self, low: f64) -> (f64, f64) {
         match self {
             Self::Continents(l) => l.range(),
             Self::Mountains(l) => l.range(),
@@ -263,6 +290,10 @@ impl Step {
             Self::Craters(l) => l.range(),
             Self::Canyons(l) => l.range(),
             Self::Dunes(l) => l.range(),
+            Self::Lava(l) => l.range(low),
+            Self::Caps(l) => l.range(),
+            Self::Shield(l) => l.range(),
+            Self::Rift(l) => l.range(),
             Self::Heightmap(l) => l.range(),
         }
     }
