@@ -109,9 +109,7 @@ pub struct Craters {
     pub basins: bool,
     /// Base elevations over which craters fade in, in metres.
     pub above_m: [f64; 2],
-    /// Base elevations over which they fade out again, in metres.
-    pub under_m: [f64; 2],
-    /// Share of the craters that show outside of `above_m` and `under_m`, the youngest (0 to 1; default 0).
+    /// Share of the craters that show below `above_m`, the youngest (0 to 1; default 0).
     pub below: f64,
 }
 
@@ -302,7 +300,6 @@ impl Craters {
             warp_m: reader.number_or("warp_m", 0.0..=0.25 * largest_m, 0.0)?,
             basins: reader.flag("basins")?,
             above_m: read_above(reader)?,
-            under_m: if reader.has("under_m") { reader.span("under_m", -1e5..=1e5)? } else { [2e5, 3e5] },
             below: reader.number_or("below", UNIT, 0.0)?,
         })
     }

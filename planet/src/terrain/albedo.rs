@@ -178,9 +178,11 @@ impl Terrain {
 
     #[inline(always)]
     fn paint_airless(&self, palette: &Airless, site: &Site, p: &Points, noises: &Noises, out: &mut ColourLanes) {
-        const STEEP: Ramp = Ramp::new([0.3, 0.9]);
+        const STEEP: Ramp = Ramp::new([0.4, 1.0]);
         const FLOW: Ramp = Ramp::new([-0.03, 0.03]);
-        let (old, width) = (Ramp::new(palette.mare_m), (palette.mare_m[1] - palette.mare_m[0]) as f32);
+        // Hills stand out of the lava about its shores, and it runs into hollows.
+        const RELIEF: f32 = 0.3;
+        let old = Ramp::new(palette.mare_m);
         let [mare, highland, ray] = [palette.mare, palette.highland, palette.ray].map(rgb);
         let base = self.compose(p, None);
         let mut rays = [0.0; LANES];
@@ -192,10 +194,10 @@ impl Terrain {
             let fine = 0.025 * noises.thicket[i] + 0.04 * noises.tuft[i];
             // Flows of two lavas, one redder and brighter, with sharp fronts.
             let flow = FLOW.at(climate + 0.22 * patch);
-            let lava = [mare[0] * (0.91 + 0.17 * flow), mare[1] * (0.93 + 0.12 * flow), mare[2] * (0.96 + 0.04 * flow)];
-            let ground = mixed(lava, highland, old.at(base[i] + 0.06 * width * patch));
+            let lava = [mare[0] * (0.94 + 0.10 * flow), mare[1] * (0.945 + 0.085 * flow), mare[2] * (0.96 + 0.05 * flow)];
+            let ground = mixed(lava, highland, old.at(base[i] + RELIEF * (site.height[i] - base[i])));
             // Steep ground sheds its dark, weathered skin.
-            let fresh = rays[i].min(1.0).max(0.5 * STEEP.at(site.slope[i]));
+            let fresh = rays[i].min(1.0).max(0.35 * STEEP.at(site.slope[i]));
             put(out, i, mixed(ground, ray, fresh), 1.0 + 0.03 * climate + 0.045 * patch + fine);
         }
     }

@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// Troughs that a circle about the pole crosses. Whole, so that the spirals close.
 const ARMS: f64 = 7.0;
 /// Share of a trough's width that is its steep wall.
-const WALL: f32 = 0.22;
+const WALL: f32 = 0.11;
 
 /// The caps of both poles.
 pub(crate) struct Caps {
@@ -47,20 +47,22 @@ impl Caps {
             per_edge: 1.0 / edge_m,
             turns: edge_m / recipe.apart_m,
             edge: Fractal::few(mix(seed ^ 1), edge_m * 0.6, 8),
-            bend: Fractal::few(mix(seed ^ 2), edge_m * 0.45, 3),
+            bend: Fractal::few(mix(seed ^ 2), edge_m * 0.6, 1),
             vigour: Fractal::few(mix(seed ^ 3), edge_m * 0.3, 2),
             height_m: recipe.height_m,
             trough_m: recipe.trough_m,
         }
     }
 
+    /// Ice is younger than most craters: `renewed` says so.
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points) -> Option<Lane> {
-        const SCARP: Ramp = Ramp::new([0.0, 0.035]);
+    pub(crate) fn metres(&self, p: &Points, renewed: &mut Lane) -> Option<Lane> {
+        const SCARP: Ramp = Ramp::new([0.0, 0.014]);
         let site = self.site(p)?;
         let mut own = site.inward;
         for i in 0..LANES {
             let x = own[i].clamp(0.0, 1.0);
+            renewed[i] = renewed[i].max(SCARP.at(x));
             let dome = 0.3 * SCARP.at(x) + 0.7 * x * (2.0 - x);
             own[i] = self.height_m as f32 * dome - self.trough_m as f32 * dip(site.share[i]) * site.vigour[i];
         }
@@ -74,8 +76,8 @@ impl Caps {
         const STEEP: Ramp = Ramp::new([0.35, 0.8]);
         let site = self.site(p)?;
         let bare = |i: usize| {
-            let wall = 1.0 - (site.share[i] * (1.0 / (WALL * 1.35)) - 0.5).abs() * 2.0;
-            STEEP.at(wall.max(0.0) * 1.4) * (site.vigour[i] * 1.6).min(1.0)
+            let wall = 1.0 - (site.share[i] * (1.0 / (WALL * 1.6)) - 0.5).abs() * 2.0;
+            STEEP.at(wall.max(0.0) * 1.6) * (site.vigour[i] * 1.6).min(1.0)
         };
         Some([EDGE.lanes(&site.inward), std::array::from_fn(bare)])
     }
@@ -106,7 +108,7 @@ impl Caps {
         for i in 0..LANES {
             let around = atan2(p.place[1][i], p.place[0][i]) * (ARMS / TAU);
             let around = if p.place[2][i] < 0.0 { -around } else { around };
-            let place = around + f64::from(out[i]) * self.turns + f64::from(bend[i]) * 0.55;
+            let place = around + f64::from(out[i]) * self.turns + f64::from(bend[i]) * 0.8;
             share[i] = (place - nearest(place).1) as f32 + 0.5;
             deep[i] = (0.55 + 1.5 * vigour[i]).clamp(0.0, 1.0) * MIDDLE.at(out[i]) * RIM.at(inward[i]);
         }
@@ -136,7 +138,7 @@ mod tests {
         assert_eq!((depth[0], depth[1000]), (0.0, 0.0));
         assert!(depth.windows(2).all(|w| (w[1] - w[0]).abs() < 0.01), "a step");
         let foot = depth.iter().position(|&d| d > 0.999).unwrap();
-        assert!((150..300).contains(&foot), "foot at {foot}");
+        assert!((80..200).contains(&foot), "foot at {foot}");
     }
 
     #[test]
@@ -145,7 +147,7 @@ mod tests {
         let caps = Caps::new(1, &recipe, 3.4e6);
         let at = |x: f64, y: f64, z: f64| {
             let length = (x * x + y * y + z * z).sqrt() / 3.4e6;
-            caps.metres(&Points::at([x, y, z].map(|v| [v / length; LANES]))).map(|own| own[0])
+            caps.metres(&Points::at([x, y, z].map(|v| [v / length; LANES])), &mut [0.0; LANES]).map(|own| own[0])
         };
         for z in [3.3e6, -3.3e6] {
             for x in [-1e5, -2e5, -3e5, -4e5] {

@@ -10,7 +10,7 @@ use super::Terrain;
 use crate::recipe::{Desert, Octaves};
 
 /// How much longer than wide the streaks at the edges of dark sand are: winds blow along parallels.
-const STREAK: f64 = 4.0;
+const STREAK: f64 = 2.5;
 
 /// What desert colours need besides the palette.
 pub(super) struct Winds {
@@ -30,7 +30,7 @@ impl Winds {
         Self {
             regions: Fractal::new(mix(seed ^ 23), &Octaves { wavelength_m: palette.climate_m, detail_m: 12e3, gain: 0.55 }),
             warp: Warp::new(mix(seed ^ 24), palette.climate_m * 0.5, palette.climate_m * 0.22, 2),
-            streaks: Fractal::few(mix(seed ^ 21), palette.climate_m * 0.03, 4),
+            streaks: Fractal::few(mix(seed ^ 21), palette.climate_m * 0.012, 4),
             per_edge: 1.0 / edge.max(1e-3),
         }
     }
@@ -96,7 +96,13 @@ impl Terrain {
     ) {
         let base = self.compose(p, None);
         let [ice, layered] = self.ice(winds, p, noises);
-        let sand = winds.sand(p, &base, 1.0 / self.radius);
+        let mut sand = winds.sand(p, &base, 1.0 / self.radius);
+        for floor in self.rifts().filter_map(|rift| rift.floor(p)) {
+            for i in 0..LANES {
+                // Winds drop sand where they are sheltered.
+                sand[i] += 0.45 * floor[i];
+            }
+        }
         let shares = Shares { sand, streaks: winds.streaks(p), dunes: self.dune_cover(p, &base), ice, layered };
         let middle = 0.75 - 1.5 * palette.sand_cover;
         let paints = Paints {
@@ -107,7 +113,7 @@ impl Terrain {
             strata: rgb(palette.strata),
             ice: rgb(palette.ice),
             rocky: Ramp::new(palette.rock_slope),
-            dark: Ramp::new([middle - 0.09, middle + 0.09]),
+            dark: Ramp::new([middle - 0.14, middle + 0.14]),
         };
         for i in 0..LANES {
             let own = [noises.climate[i], noises.patch[i], noises.thicket[i], noises.tuft[i]];
@@ -163,10 +169,10 @@ impl Paints {
         const PALE: Ramp = Ramp::new([-0.1, 0.8]);
         const RUDDY: Ramp = Ramp::new([-0.1, 0.7]);
         let streak = shares.streaks[i];
-        let swept = shares.sand[i] + 0.17 * streak + 0.1 * patch + 0.04 * thicket + 0.03 * tuft;
+        let swept = shares.sand[i] + 0.09 * streak + 0.1 * patch + 0.04 * thicket + 0.03 * tuft;
         let dust = mixed(self.dust, self.strata, 0.75 * PALE.at(0.5 * patch - 0.3 * streak - 0.7 * climate + 0.3 * thicket));
         let dust = mixed(dust, self.rock, 0.5 * RUDDY.at(climate + 0.2 * streak - 0.3 * patch + 0.2 * thicket));
-        let dark = self.dark.at(swept) * (0.85 + 0.2 * patch + 0.2 * streak).clamp(0.3, 1.0);
+        let dark = self.dark.at(swept) * (0.82 + 0.25 * climate + 0.25 * patch + 0.12 * streak).clamp(0.25, 1.0);
         (mixed(dust, self.sand, dark), dark)
     }
 

@@ -73,6 +73,33 @@ enum Step {
     Heightmap(Box<Heightmap>),
 }
 
+/// What layers leave for those after them, besides base elevation.
+struct Past {
+    /// How much of the ground is younger than most craters, 0 to 1.
+    renewed: Lane,
+    /// Metres of all rifts so far: where two meet the deeper one counts.
+    rifts: Lane,
+}
+
+impl Default for Past {
+    #[inline(always)]
+    fn default() -> Self {
+        Self { renewed: [0.0; LANES], rifts: [0.0; LANES] }
+    }
+}
+
+impl Past {
+    /// What one more rift adds.
+    #[inline(always)]
+    fn deepen(&mut self, mut own: Lane) -> Lane {
+        for i in 0..LANES {
+            let deeper = own[i].min(self.rifts[i]);
+            (own[i], self.rifts[i]) = (deeper - self.rifts[i], deeper);
+        }
+        own
+    }
+}
+
 /// Slope at the waterline relative to what it would be without beaches.
 const BEACH_SLOPE: f64 = 0.22;
 
@@ -157,17 +184,17 @@ impl Terrain {
         heights.copy_from_slice(&sum[..heights.len()]);
     }
 
-    /// Base elevation: continents, basins and heightmaps alone. Adds all layers to `height` where one is given. Layers skip what
-    /// their masks hide from the whole chunk; that adds 0 elsewhere, so the bits do not depend on the chunk.
+    /// Base elevation: continents, basins, lava, volcanoes and heightmaps alone. Adds all layers to `height` where one is given. Layers
+    /// skip what their masks hide from the whole chunk; that adds 0 elsewhere, so the bits do not depend on the chunk.
     #[inline(always)]
     fn compose(&self, p: &Points, mut height: Option<&mut WideLane>) -> Lane {
-        let mut base = [0.0; LANES];
+        let (mut base, mut past) = ([0.0; LANES], Past::default());
         for step in &self.steps {
             let own = match step {
                 Step::Continents(layer) => Some(layer.metres(p)),
-                Step::Craters(layer) if layer.basins() => layer.metres(p, &base),
+                Step::Craters(layer) if layer.basins() => layer.metres(p, &base, &past.renewed),
                 Step::Lava(layer) => layer.metres(p, &base),
-                Step::Shield(layer) => layer.metres(p),
+                Step::Shield(layer) => layer.metres(p, &mut past.renewed),
                 Step::Heightmap(layer) => {
                     self.replace(layer, p, &mut base, height.as_deref_mut());
                     None
@@ -176,11 +203,11 @@ impl Terrain {
                 Step::Mountains(layer) => layer.metres(p, &base),
                 Step::Hills(layer) => layer.metres(p, &base),
                 Step::Plains(layer) => Some(layer.metres(p)),
-                Step::Craters(layer) => layer.metres(p, &base),
+                Step::Craters(layer) => layer.metres(p, &base, &past.renewed),
                 Step::Canyons(layer) => layer.metres(p, &base),
                 Step::Dunes(layer) => layer.metres(p, &base),
-                Step::Caps(layer) => layer.metres(p),
-                Step::Rift(layer) => layer.metres(p),
+                Step::Caps(layer) => layer.metres(p, &mut past.renewed),
+                Step::Rift(layer) => layer.metres(p).map(|own| past.deepen(own)),
             };
             let Some(own) = own else { continue };
             if step.is_base() {
@@ -214,6 +241,10 @@ impl Terrain {
 
     fn caps(&self) -> impl Iterator<Item = &Caps> {
         self.steps.iter().filter_map(|s| if let Step::Caps(c) = s { Some(c) } else { None })
+    }
+
+    fn rifts(&self) -> impl Iterator<Item = &Rift> {
+        self.steps.iter().filter_map(|s| if let Step::Rift(r) = s { Some(r) } else { None })
     }
 
     fn dunes(&self) -> impl Iterator<Item = &Dunes> {

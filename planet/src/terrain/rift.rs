@@ -23,7 +23,7 @@ pub(crate) struct Rift {
     /// Spurs and gullies.
     gullies: Fractal,
     /// Hills and slumps on the floor.
-    floor: Fractal,
+    slumps: Fractal,
     half_length_m: f32,
     half_width_m: f32,
     wall_m: f32,
@@ -40,7 +40,7 @@ impl Rift {
             wander: Fractal::few(mix(seed ^ 1), recipe.length_m * 0.22, 5),
             breadth: Fractal::few(mix(seed ^ 2), recipe.width_m * 2.2, 4),
             gullies: Fractal::few(mix(seed ^ 3), wall_m * 1.6, 7),
-            floor: Fractal::few(mix(seed ^ 4), recipe.width_m * 0.3, 7),
+            slumps: Fractal::few(mix(seed ^ 4), recipe.width_m * 0.3, 7),
             half_length_m: (0.5 * recipe.length_m) as f32,
             half_width_m: (0.5 * recipe.width_m) as f32,
             wall_m: wall_m as f32,
@@ -51,25 +51,39 @@ impl Rift {
 
     #[inline(always)]
     pub(crate) fn metres(&self, p: &Points) -> Option<Lane> {
-        let [up, across, along] = self.place.lanes(p);
-        let reach = self.half_width_m * (2.0 + 2.0 * WANDER) + GULLIES * self.wall_m;
-        let near = |i: usize| up[i] > 0.0 && across[i].abs() < reach && along[i].abs() < self.half_length_m;
-        if !(0..LANES).any(near) {
-            return None;
-        }
-        let mut own = self.inside(p, &up, &across, &along);
-        if own.iter().all(|&inside| inside <= 0.0) {
-            return None;
-        }
-        let floor = self.floor.sum(p, |n| n.abs());
+        let mut own = self.within(p)?;
+        let slumps = self.slumps.sum(p, |n| n.abs());
         for i in 0..LANES {
             let down = own[i].clamp(0.0, 1.0);
             let stepped = down + (stairs(down) - down) * self.ledges;
             // Slumps lie against the walls; the middle of the floor is low.
-            let fill = 0.10 * floor[i] * Ramp::new([0.6, 1.6]).at(own[i]);
+            let fill = 0.10 * slumps[i] * Ramp::new([0.6, 1.6]).at(own[i]);
             own[i] = -self.depth_m as f32 * (stepped - fill);
         }
         Some(own)
+    }
+
+    /// How much of the ground is the rift's floor, 0 to 1; nothing where there is none.
+    #[inline(always)]
+    pub(crate) fn floor(&self, p: &Points) -> Option<Lane> {
+        const FLOOR: Ramp = Ramp::new([0.7, 1.5]);
+        Some(FLOOR.lanes(&self.within(p)?))
+    }
+
+    /// How far inside of the rim each point is, if any is.
+    #[inline(always)]
+    fn within(&self, p: &Points) -> Option<Lane> {
+        let [up, across, along] = self.place.lanes(p);
+        let reach = self.half_width_m * (2.2 + 2.0 * WANDER) + GULLIES * self.wall_m;
+        let near = |i: usize| up[i] > 0.0 && across[i].abs() < reach && along[i].abs() < self.half_length_m;
+        if !(0..LANES).any(near) {
+            return None;
+        }
+        let inside = self.inside(p, &up, &across, &along);
+        if inside.iter().all(|&x| x <= 0.0) {
+            return None;
+        }
+        Some(inside)
     }
 
     /// How far inside of the rim each point is, in widths of the wall: 0 and less outside.
@@ -82,7 +96,7 @@ impl Rift {
         for i in 0..LANES {
             let off = (across[i] + wander[i] * (2.0 * WANDER * self.half_width_m)).abs();
             let end = ENDS.at(1.0 - along[i].abs() / self.half_length_m);
-            let half = self.half_width_m * end * (1.0 + 0.85 * breadth[i]);
+            let half = self.half_width_m * end * (1.0 + 1.1 * breadth[i]);
             let from_rim = (half - off) / self.wall_m - (gullies[i] - 0.35) * GULLIES * end - 1.2 * (1.0 - end);
             inside[i] = if up[i] > 0.0 { from_rim } else { -1.0 };
         }

@@ -37,8 +37,10 @@ impl Shield {
         }
     }
 
+    /// Its flanks are younger ground: `renewed` says so.
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points) -> Option<Lane> {
+    pub(crate) fn metres(&self, p: &Points, renewed: &mut Lane) -> Option<Lane> {
+        const YOUNG: Ramp = Ramp::new([0.06, 0.3]);
         let mut own = self.place.distances2(p);
         let reach = 1.3 * self.radius_m;
         if own.iter().all(|&d2| d2 > (reach * reach) as f32) {
@@ -49,8 +51,9 @@ impl Shield {
         for i in 0..LANES {
             let out = (own[i] * per_radius2).sqrt();
             // The foot wanders, the top does not.
-            let up = 1.0 - out * (1.0 + 0.32 * bend[i] * out.min(1.0));
-            own[i] = self.height_m as f32 * self.flank(up.max(0.0));
+            let up = (1.0 - out * (1.0 + 0.32 * bend[i] * out.min(1.0))).max(0.0);
+            own[i] = self.height_m as f32 * self.flank(up);
+            renewed[i] = renewed[i].max(YOUNG.at(up));
         }
         if self.caldera_m > 0.0 {
             self.add_calderas(p, &bend, &mut own);

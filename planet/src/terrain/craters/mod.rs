@@ -23,13 +23,15 @@ const EJECTA: f64 = 2.0;
 /// Over this share of the ranks by age craters come out of the lava that buried them.
 const EMERGE: f32 = 0.12;
 
+/// Share of the ranks by age that ground renewed by ice or a volcano has lost.
+const RENEWED: f32 = 0.93;
+
 /// One layer of craters.
 pub(crate) struct Craters {
     classes: Vec<Class>,
     /// Takes the circle out of large craters.
     warp: Option<Warp>,
     above: Ramp,
-    under: Ramp,
     recipe: recipe::Craters,
 }
 
@@ -154,15 +156,16 @@ impl Craters {
             density *= recipe.growth;
         }
         let warp = Warp::new(mix(seed ^ 55), recipe.largest_m * 0.6, recipe.warp_m, 2).map(|w| w.along_sphere(planet_m));
-        Self { classes, warp, above: Ramp::new(recipe.above_m), under: Ramp::new(recipe.under_m), recipe: recipe.clone() }
+        Self { classes, warp, above: Ramp::new(recipe.above_m), recipe: recipe.clone() }
     }
 
+    /// Where the ground is `renewed` only the youngest show.
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
+    pub(crate) fn metres(&self, p: &Points, base: &Lane, renewed: &Lane) -> Option<Lane> {
         let below = self.recipe.below as f32;
         let mut mask = self.above.lanes(base);
         for i in 0..LANES {
-            mask[i] = below + (1.0 - below) * mask[i] * (1.0 - self.under.at(base[i]));
+            mask[i] = (below + (1.0 - below) * mask[i]) * (1.0 - RENEWED * renewed[i]);
         }
         if !any_above_zero(&mask) {
             return None;
@@ -222,7 +225,6 @@ mod tests {
             warp_m: 0.0,
             basins: false,
             above_m: [-3e5, -2e5],
-            under_m: [2e5, 3e5],
             below: 0.0,
         };
         Class::new(seed, 1, &recipe, 1000.0, diameter_m, 1.7)

@@ -47,9 +47,10 @@ impl Class {
         let away = axes(|k| v[k] / length);
         // Noise of the direction is constant along rays; noise of the place breaks them up.
         let seed = self.streaks ^ site;
-        let lines = noise_at(seed, axes(|k| away[k] * 4.5));
+        // The larger the crater, the more and the finer its rays; small ones have a few broad lobes.
+        let lines = noise_at(seed, axes(|k| away[k] * (1.6 + 3.0 * self.shape.complex)));
         let broken = noise_at(seed ^ 1, axes(|k| away[k] * 2.5 + v[k] * self.per_break));
-        let narrow = 0.1 + 0.2 * fade * fade;
+        let narrow = 0.35 - 0.24 * self.shape.complex + 0.2 * fade * fade;
         let line = (1.0 - lines.abs() / narrow).max(0.0);
         let line = line * line * (3.0 - 2.0 * line) * (0.45 + 1.7 * broken).clamp(0.0, 1.0);
         let fresh = young(site);
