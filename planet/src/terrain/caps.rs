@@ -12,7 +12,7 @@ use std::f64::consts::TAU;
 /// Troughs that a circle about the pole crosses. Whole, so that the spirals close.
 const ARMS: f64 = 7.0;
 /// Share of a trough's width that is its steep wall.
-const WALL: f32 = 0.11;
+const WALL: f32 = 0.17;
 
 /// The caps of both poles.
 pub(crate) struct Caps {
@@ -76,7 +76,7 @@ impl Caps {
         const STEEP: Ramp = Ramp::new([0.35, 0.8]);
         let site = self.site(p)?;
         let bare = |i: usize| {
-            let wall = 1.0 - (site.share[i] * (1.0 / (WALL * 1.6)) - 0.5).abs() * 2.0;
+            let wall = 1.0 - (site.share[i] * (1.0 / (WALL * 1.4)) - 0.5).abs() * 2.0;
             STEEP.at(wall.max(0.0) * 1.6) * (site.vigour[i] * 1.6).min(1.0)
         };
         Some([EDGE.lanes(&site.inward), std::array::from_fn(bare)])
@@ -138,7 +138,7 @@ mod tests {
         assert_eq!((depth[0], depth[1000]), (0.0, 0.0));
         assert!(depth.windows(2).all(|w| (w[1] - w[0]).abs() < 0.01), "a step");
         let foot = depth.iter().position(|&d| d > 0.999).unwrap();
-        assert!((80..200).contains(&foot), "foot at {foot}");
+        assert!((120..260).contains(&foot), "foot at {foot}");
     }
 
     #[test]

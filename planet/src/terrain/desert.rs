@@ -49,14 +49,14 @@ impl Winds {
     /// what is high, and in basins and on the lowest plains dust has settled.
     #[inline(always)]
     fn sand(&self, p: &Points, base: &Lane, per_radius: f64) -> Lane {
-        const HIGH: Ramp = Ramp::new([2200.0, 5500.0]);
+        const HIGH: Ramp = Ramp::new([1800.0, 4200.0]);
         const DEEP: Ramp = Ramp::new([-4300.0, -5300.0]);
         let mut room = None;
         let mut sand = self.regions.brownian(Warp::moved(self.warp.as_ref(), p, &mut room));
         for i in 0..LANES {
             let off = (p.place[2][i] * per_radius) as f32 + 0.22;
-            let belt = 0.5 - 2.2 * off * off;
-            sand[i] += 0.55 * belt - 1.1 * HIGH.at(base[i]) - 0.5 * DEEP.at(base[i]);
+            let belt = 0.4 - 1.7 * off * off;
+            sand[i] += 0.4 * belt - 1.1 * HIGH.at(base[i]) - 0.5 * DEEP.at(base[i]);
         }
         sand
     }
@@ -122,7 +122,7 @@ impl Terrain {
             let steep = site.slope[i] * (1.0 + 0.2 * own[2] + 0.2 * own[3]);
             let bare = paints.rocky.at(steep);
             let ground = mixed(soil, mixed(paints.rock, paints.strata, noises.strata[i]), bare);
-            let light = 1.0 + 0.04 * own[0] + 0.07 * own[1] + 0.05 * own[2] + 0.09 * own[3];
+            let light = 1.0 + 0.04 * own[0] + 0.045 * own[1] + 0.05 * own[2] + 0.09 * own[3];
             put(out, i, mixed(ground, paints.frozen(&shares, i, site.height[i], own), shares.ice[i] * (1.0 - 0.5 * bare)), light);
         }
     }
@@ -172,7 +172,7 @@ impl Paints {
         let swept = shares.sand[i] + 0.09 * streak + 0.1 * patch + 0.04 * thicket + 0.03 * tuft;
         let dust = mixed(self.dust, self.strata, 0.75 * PALE.at(0.5 * patch - 0.3 * streak - 0.7 * climate + 0.3 * thicket));
         let dust = mixed(dust, self.rock, 0.5 * RUDDY.at(climate + 0.2 * streak - 0.3 * patch + 0.2 * thicket));
-        let dark = self.dark.at(swept) * (0.82 + 0.25 * climate + 0.25 * patch + 0.12 * streak).clamp(0.25, 1.0);
+        let dark = self.dark.at(swept) * (0.85 + 0.12 * climate + 0.16 * patch + 0.1 * streak).clamp(0.25, 1.0);
         (mixed(dust, self.sand, dark), dark)
     }
 
@@ -182,7 +182,7 @@ impl Paints {
         const LAYERS_M: f32 = 1.0 / 70.0;
         let level = height * LAYERS_M + 0.8 * patch;
         let bed = 0.5 + noise_at(0x1a7e, [level, 0.31 * level, 0.2 * patch]) + 0.2 * thicket;
-        let beds = mixed(self.dust, self.strata, bed.clamp(0.0, 1.0));
-        mixed(self.ice, beds, shares.layered[i] * (0.72 + 0.2 * tuft))
+        let beds = mixed(mixed(self.dust, self.rock, 0.6), self.strata, bed.clamp(0.0, 1.0));
+        mixed(self.ice, beds, shares.layered[i] * (0.62 + 0.2 * tuft))
     }
 }

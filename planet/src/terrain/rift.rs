@@ -10,8 +10,10 @@ use crate::recipe;
 
 /// How far the trough wanders to either side, in widths.
 const WANDER: f32 = 0.55;
+/// How much wider than its width it gets.
+const SWELL: f32 = 1.1;
 /// How deep gullies cut back into the rim, in widths of the wall.
-const GULLIES: f32 = 1.1;
+const GULLIES: f32 = 2.0;
 
 /// One rift.
 pub(crate) struct Rift {
@@ -38,9 +40,9 @@ impl Rift {
         Self {
             place: Place::new(recipe.latitude_deg, recipe.longitude_deg, recipe.heading_deg, planet_m),
             wander: Fractal::few(mix(seed ^ 1), recipe.length_m * 0.22, 5),
-            breadth: Fractal::few(mix(seed ^ 2), recipe.width_m * 2.2, 4),
-            gullies: Fractal::few(mix(seed ^ 3), wall_m * 1.6, 7),
-            slumps: Fractal::few(mix(seed ^ 4), recipe.width_m * 0.3, 7),
+            breadth: Fractal::few(mix(seed ^ 2), recipe.width_m * 2.2, 6),
+            gullies: Fractal::few(mix(seed ^ 3), wall_m * 2.6, 8),
+            slumps: Fractal::few(mix(seed ^ 4), recipe.width_m * 0.45, 9),
             half_length_m: (0.5 * recipe.length_m) as f32,
             half_width_m: (0.5 * recipe.width_m) as f32,
             wall_m: wall_m as f32,
@@ -51,13 +53,14 @@ impl Rift {
 
     #[inline(always)]
     pub(crate) fn metres(&self, p: &Points) -> Option<Lane> {
+        const AWAY: Ramp = Ramp::new([0.8, 2.2]);
         let mut own = self.within(p)?;
-        let slumps = self.slumps.sum(p, |n| n.abs());
+        let slumps = self.slumps.brownian(p);
         for i in 0..LANES {
             let down = own[i].clamp(0.0, 1.0);
             let stepped = down + (stairs(down) - down) * self.ledges;
-            // Slumps lie against the walls; the middle of the floor is low.
-            let fill = 0.10 * slumps[i] * Ramp::new([0.6, 1.6]).at(own[i]);
+            // Slumps and mounds of layered rock stand on the floor.
+            let fill = 0.4 * (slumps[i] + 0.12).clamp(0.0, 1.0) * AWAY.at(own[i]);
             own[i] = -self.depth_m as f32 * (stepped - fill);
         }
         Some(own)
@@ -74,7 +77,7 @@ impl Rift {
     #[inline(always)]
     fn within(&self, p: &Points) -> Option<Lane> {
         let [up, across, along] = self.place.lanes(p);
-        let reach = self.half_width_m * (2.2 + 2.0 * WANDER) + GULLIES * self.wall_m;
+        let reach = self.half_width_m * (1.0 + SWELL + 2.0 * WANDER) + GULLIES * self.wall_m;
         let near = |i: usize| up[i] > 0.0 && across[i].abs() < reach && along[i].abs() < self.half_length_m;
         if !(0..LANES).any(near) {
             return None;
@@ -94,9 +97,9 @@ impl Rift {
         let gullies = self.gullies.sum(p, |n| n.abs());
         let mut inside = [0.0; LANES];
         for i in 0..LANES {
-            let off = (across[i] + wander[i] * (2.0 * WANDER * self.half_width_m)).abs();
+            let off = (across[i] + wander[i].clamp(-1.0, 1.0) * (2.0 * WANDER * self.half_width_m)).abs();
             let end = ENDS.at(1.0 - along[i].abs() / self.half_length_m);
-            let half = self.half_width_m * end * (1.0 + 1.1 * breadth[i]);
+            let half = self.half_width_m * end * (1.0 + SWELL * breadth[i].clamp(-1.0, 1.0));
             let from_rim = (half - off) / self.wall_m - (gullies[i] - 0.35) * GULLIES * end - 1.2 * (1.0 - end);
             inside[i] = if up[i] > 0.0 { from_rim } else { -1.0 };
         }
@@ -104,6 +107,6 @@ impl Rift {
     }
 
     pub(crate) fn range(&self) -> (f64, f64) {
-        (-self.depth_m, 0.1 * self.depth_m)
+        (-self.depth_m, 0.0)
     }
 }

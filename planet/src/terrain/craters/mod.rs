@@ -24,7 +24,7 @@ const EJECTA: f64 = 2.0;
 const EMERGE: f32 = 0.12;
 
 /// Share of the ranks by age that ground renewed by ice or a volcano has lost.
-const RENEWED: f32 = 0.93;
+const RENEWED: f32 = 0.97;
 
 /// One layer of craters.
 pub(crate) struct Craters {
