@@ -68,9 +68,8 @@ const float CROWN_COPIES[2] = float[](4.0, 7.0);
 // Adds a copy of a layer: slopes as a gradient in space, and brightness; both fade into nothing where a pixel holds many of them.
 void add_grain(inout vec4 sum, vec3 place, vec3 weights, float texels, float copies, float layer, float share) {
     float lod = log2(texels * copies);
-    if (lod > 7.0 || share <= 0.0) return;
-    for (int axis = 0; axis < 3; ++axis) {
-        if (weights[axis] <= 0.0) continue;
+    for (uint axes = lod > 7.0 || share <= 0.0 ? 0u : counted_axes(weights); axes != 0u;) {
+        int axis = next_axis(axes);
         vec3 found = textureLod(grain_map, vec3(coordinates_along(axis, place) * copies, layer), lod).xyz;
         sum += share * weights[axis] * vec4(gradient_along(axis, found.xy), found.z);
     }

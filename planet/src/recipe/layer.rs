@@ -2,7 +2,7 @@
 //! Out: a checked [`Layer`]. What each layer looks like is in `recipes/README.md`.
 
 use super::error::RecipeError;
-use super::landform::{Canyons, Dunes};
+use super::landform::{Canyons, Caps, Dunes, Lava, Rift, Shield};
 use super::reader::Reader;
 use std::ops::RangeInclusive;
 
@@ -87,7 +87,7 @@ pub struct Craters {
     pub largest_m: f64,
     /// Rim diameter of the smallest class, in metres (at least 1).
     pub smallest_m: f64,
-    /// Share of the possible sites that hold a crater in the largest class (0 to 1).
+    /// Craters a cell of the largest class, which is as wide as two such craters' reach (0 to 4; default 1).
     pub density: f64,
     /// Factor on `density` for each smaller class (0.5 to 2): N(>D) ~ D^-(2 + log2 of this).
     pub growth: f64,
@@ -95,19 +95,21 @@ pub struct Craters {
     pub depth: f64,
     /// Diameter in metres past which craters are complex: shallower, flat-floored, with a central peak.
     pub complex_m: f64,
-    /// Reach of the ejecta or rays, in crater radii (2 to 12; default 2).
+    /// Reach of the ejecta or rays, in crater radii (1.5 to 12; default 2).
     pub reach: f64,
     /// Brightness of rays in the albedo (0 to 1; default 0).
     pub rays: f64,
+    /// How far rims, walls and ejecta are from round and smooth (0 to 0.9; default 0).
+    pub ragged: f64,
+    /// Height of the rolling ground between craters, relative to the diameter of each class (0 to 0.1; default 0).
+    pub rough: f64,
     /// How far craters are bent out of round, in metres (0 to a quarter of `largest_m`; default 0).
     pub warp_m: f64,
-    /// Height of shield volcanoes that the largest craters top, out to `reach`, in metres (0 to 100000; default 0: none).
-    pub shield_m: f64,
     /// Whether the craters are part of the base elevation, as basins are (default false).
     pub basins: bool,
     /// Base elevations over which craters fade in, in metres.
     pub above_m: [f64; 2],
-    /// Share of the relief that is left below `above_m` (0 to 1; default 0).
+    /// Share of the craters that show below `above_m`, the youngest (0 to 1; default 0).
     pub below: f64,
 }
 
@@ -181,13 +183,22 @@ pub enum Layer {
     Canyons(Canyons),
     /// Dunes and ripples.
     Dunes(Dunes),
+    /// Plains of lava.
+    Lava(Lava),
+    /// Polar caps.
+    Caps(Caps),
+    /// A volcano.
+    Shield(Shield),
+    /// A rift valley.
+    Rift(Rift),
     /// A heightfield file.
     Heightmap(Heightmap),
 }
 
 impl Layer {
     pub(crate) fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
-        let kinds = "a layer kind: continents, mountains, hills, plains, craters, canyons, dunes, heightmap";
+        let kinds = "a layer kind: continents, mountains, hills, plains, craters, canyons, dunes, lava, caps, shield, rift, \
+                     heightmap";
         let kind = reader.string("kind", kinds)?;
         let layer = match kind.as_str() {
             "continents" => Self::Continents(Continents::read(reader)?),
@@ -197,6 +208,10 @@ impl Layer {
             "craters" => Self::Craters(Craters::read(reader, radius)?),
             "canyons" => Self::Canyons(Canyons::read(reader)?),
             "dunes" => Self::Dunes(Dunes::read(reader)?),
+            "lava" => Self::Lava(Lava::read(reader)?),
+            "caps" => Self::Caps(Caps::read(reader)?),
+            "shield" => Self::Shield(Shield::read(reader, radius)?),
+            "rift" => Self::Rift(Rift::read(reader, radius)?),
             "heightmap" => Self::Heightmap(Heightmap::read(reader, radius)?),
             other => return Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
         };
@@ -268,20 +283,21 @@ impl Plains {
 
 impl Craters {
     fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
-        let reach = reader.number_or("reach", 2.0..=12.0, 2.0)?;
+        let reach = reader.number_or("reach", 1.5..=12.0, 2.0)?;
         // A crater's cell must stay small against the planet: its ejecta reach a third of the radius at most.
         let largest_m = reader.number("largest_m", 1.0..=0.7 * radius / reach)?;
         Ok(Self {
             largest_m,
             smallest_m: reader.number("smallest_m", 1.0..=largest_m)?,
-            density: reader.number_or("density", UNIT, 1.0)?,
+            density: reader.number_or("density", 0.0..=4.0, 1.0)?,
             growth: reader.number_or("growth", 0.5..=2.0, 1.0)?,
             depth: reader.number_or("depth", 0.0..=0.4, 0.2)?,
             complex_m: reader.number_or("complex_m", 1.0..=1e8, 1e8)?,
             reach,
             rays: reader.number_or("rays", UNIT, 0.0)?,
+            ragged: reader.number_or("ragged", 0.0..=0.9, 0.0)?,
+            rough: reader.number_or("rough", 0.0..=0.1, 0.0)?,
             warp_m: reader.number_or("warp_m", 0.0..=0.25 * largest_m, 0.0)?,
-            shield_m: reader.number_or("shield_m", METRES, 0.0)?,
             basins: reader.flag("basins")?,
             above_m: read_above(reader)?,
             below: reader.number_or("below", UNIT, 0.0)?,

@@ -14,7 +14,7 @@ pub use atmosphere::Atmosphere;
 pub use clouds::Clouds;
 pub use edit::{Edit, EditRange, Shape};
 pub use error::RecipeError;
-pub use landform::{Canyons, Dunes};
+pub use landform::{Canyons, Caps, Dunes, Lava, Rift, Shield};
 pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
 pub use palette::{Airless, Colour, Desert, Living, Palette};
 

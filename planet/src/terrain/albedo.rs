@@ -198,7 +198,10 @@ impl Terrain {
 
     #[inline(always)]
     fn paint_airless(&self, palette: &Airless, site: &Site, p: &Points, noises: &Noises, out: &mut ColourLanes) {
-        const STEEP: Ramp = Ramp::new([0.35, 0.9]);
+        const STEEP: Ramp = Ramp::new([0.4, 1.0]);
+        const FLOW: Ramp = Ramp::new([-0.03, 0.03]);
+        // Hills stand out of the lava about its shores, and it runs into hollows.
+        const RELIEF: f32 = 0.3;
         let old = Ramp::new(palette.mare_m);
         let [mare, highland, ray] = [palette.mare, palette.highland, palette.ray].map(rgb);
         let base = self.compose(p, None);
@@ -207,12 +210,15 @@ impl Terrain {
             craters.add_rays(p, &mut rays);
         }
         for i in 0..LANES {
-            let (patch, thicket, tuft) = (noises.patch[i], noises.thicket[i], noises.tuft[i]);
-            let ground = mixed(mare, highland, old.at(base[i] + 330.0 * patch + 220.0 * noises.climate[i]));
+            let (climate, patch) = (noises.climate[i], noises.patch[i]);
+            let fine = 0.025 * noises.thicket[i] + 0.04 * noises.tuft[i];
+            // Flows of two lavas, one redder and brighter, with sharp fronts.
+            let flow = FLOW.at(climate + 0.22 * patch);
+            let lava = [mare[0] * (0.94 + 0.10 * flow), mare[1] * (0.945 + 0.085 * flow), mare[2] * (0.96 + 0.05 * flow)];
+            let ground = mixed(lava, highland, old.at(base[i] + RELIEF * (site.height[i] - base[i])));
             // Steep ground sheds its dark, weathered skin.
-            let fresh = rays[i].min(1.0).max(0.55 * STEEP.at(site.slope[i]));
-            let light = 1.0 + 0.10 * noises.climate[i] + 0.10 * patch + 0.04 * thicket + 0.06 * tuft;
-            put(out, i, mixed(ground, ray, fresh), light);
+            let fresh = rays[i].min(1.0).max(0.35 * STEEP.at(site.slope[i]));
+            put(out, i, mixed(ground, ray, fresh), 1.0 + 0.03 * climate + 0.045 * patch + fine);
         }
     }
 }

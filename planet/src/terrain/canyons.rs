@@ -57,7 +57,7 @@ impl Canyons {
 
 /// A rise from 0 to 1 over 0 to 1 in [`LEDGES`] steps, each level at first.
 #[inline(always)]
-fn stairs(t: f32) -> f32 {
+pub(super) fn stairs(t: f32) -> f32 {
     let mut sum = 0.0;
     for ledge in 0..LEDGES {
         sum += ((t * LEDGES as f32 - ledge as f32) * 2.5 - 1.5).clamp(0.0, 1.0);

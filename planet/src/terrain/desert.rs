@@ -1,35 +1,37 @@
-//! Colours of a dry, dusty world: bright dust, dark sand blown into streaks, dunes, layered rock, polar ice. In: sites and noises of
+//! Colours of a dry, dusty world: bright dust, regions of dark sand with streaky edges, dunes, layered rock, polar ice. In: sites and noises of
 //! a chunk. Out: a colour for each point.
 
 use super::albedo::{mixed, put, rgb, ColourLanes, Noises, Rgb, Site};
 use super::angles::sin_cos;
-use super::dunes::Dunes;
 use super::noise::{mix, noise_at};
-use super::octaves::{any_above_zero, Fractal, Ramp};
+use super::octaves::{Fractal, Ramp, Warp};
 use super::points::{Lane, Points, LANES};
 use super::Terrain;
-use crate::recipe::Desert;
+use crate::recipe::{Desert, Octaves};
 
-/// How much wider than high streaks of dark sand are: winds blow along parallels.
-const STREAK: f64 = 3.5;
-/// How far the troughs in the ice turn about the pole from edge to middle: tangent of half the angle.
-const SPIRAL: f32 = 1.1;
+/// How much longer than wide the streaks at the edges of dark sand are: winds blow along parallels.
+const STREAK: f64 = 2.5;
 
 /// What desert colours need besides the palette.
 pub(super) struct Winds {
+    /// Regions of dark sand.
+    regions: Fractal,
+    /// Pulls them into wedges and tongues.
+    warp: Option<Warp>,
+    /// Frays their edges.
     streaks: Fractal,
-    /// Seed of the troughs.
-    troughs: u32,
     /// One over the sine of the polar distance of the ice's edge.
     per_edge: f64,
 }
 
 impl Winds {
     pub(super) fn new(seed: u64, palette: &Desert) -> Self {
+        let edge = sin_cos(palette.ice_deg).1;
         Self {
-            streaks: Fractal::few(mix(seed ^ 21), palette.climate_m * 0.35, 4),
-            troughs: mix(seed ^ 22) as u32,
-            per_edge: 1.0 / sin_cos(palette.ice_deg).1.max(1e-3),
+            regions: Fractal::new(mix(seed ^ 23), &Octaves { wavelength_m: palette.climate_m, detail_m: 12e3, gain: 0.55 }),
+            warp: Warp::new(mix(seed ^ 24), palette.climate_m * 0.5, palette.climate_m * 0.22, 2),
+            streaks: Fractal::few(mix(seed ^ 21), palette.climate_m * 0.012, 4),
+            per_edge: 1.0 / edge.max(1e-3),
         }
     }
 
@@ -42,6 +44,32 @@ impl Winds {
         }
         self.streaks.brownian(&Points::at(place))
     }
+
+    /// How much dark sand the winds leave where, about -1 to 1: in the belt from the southern middle latitudes to the equator, less on
+    /// what is high, and in basins and on the lowest plains dust has settled.
+    #[inline(always)]
+    fn sand(&self, p: &Points, base: &Lane, per_radius: f64) -> Lane {
+        const HIGH: Ramp = Ramp::new([1800.0, 4200.0]);
+        const DEEP: Ramp = Ramp::new([-4300.0, -5300.0]);
+        let mut room = None;
+        let mut sand = self.regions.brownian(Warp::moved(self.warp.as_ref(), p, &mut room));
+        for i in 0..LANES {
+            let off = (p.place[2][i] * per_radius) as f32 + 0.22;
+            let belt = 0.4 - 1.7 * off * off;
+            sand[i] += 0.4 * belt - 1.1 * HIGH.at(base[i]) - 0.5 * DEEP.at(base[i]);
+        }
+        sand
+    }
+}
+
+/// The ground's share of things besides dust.
+struct Shares {
+    sand: Lane,
+    streaks: Lane,
+    dunes: Lane,
+    ice: Lane,
+    /// Walls of troughs in the ice: bare layers of ice and dust.
+    layered: Lane,
 }
 
 /// The colours and thresholds, ready to paint with.
@@ -66,10 +94,17 @@ impl Terrain {
         noises: &Noises,
         out: &mut ColourLanes,
     ) {
-        let streaks = winds.streaks(p);
-        let dunes = self.dune_cover(p);
-        let ice = self.ice(winds, p, noises);
-        let middle = 0.55 - 1.1 * palette.sand_cover;
+        let base = self.compose(p, None);
+        let [ice, layered] = self.ice(winds, p, noises);
+        let mut sand = winds.sand(p, &base, 1.0 / self.radius);
+        for floor in self.rifts().filter_map(|rift| rift.floor(p)) {
+            for i in 0..LANES {
+                // Winds drop sand where they are sheltered.
+                sand[i] += 0.45 * floor[i];
+            }
+        }
+        let shares = Shares { sand, streaks: winds.streaks(p), dunes: self.dune_cover(p, &base), ice, layered };
+        let middle = 0.75 - 1.5 * palette.sand_cover;
         let paints = Paints {
             dust: rgb(palette.dust),
             sand: rgb(palette.sand),
@@ -78,73 +113,76 @@ impl Terrain {
             strata: rgb(palette.strata),
             ice: rgb(palette.ice),
             rocky: Ramp::new(palette.rock_slope),
-            dark: Ramp::new([middle - 0.22, middle + 0.22]),
+            dark: Ramp::new([middle - 0.14, middle + 0.14]),
         };
         for i in 0..LANES {
-            let own = [noises.climate[i], noises.patch[i], noises.thicket[i], noises.tuft[i], streaks[i]];
-            let (soil, dark) = paints.soil(site, i, own);
-            let soil = mixed(soil, paints.dune, (0.3 + 0.6 * dark) * dunes[i]);
+            let own = [noises.climate[i], noises.patch[i], noises.thicket[i], noises.tuft[i]];
+            let (soil, dark) = paints.soil(&shares, i, own);
+            let soil = mixed(soil, paints.dune, (0.3 + 0.6 * dark) * shares.dunes[i]);
             let steep = site.slope[i] * (1.0 + 0.2 * own[2] + 0.2 * own[3]);
-            let ground = mixed(soil, mixed(paints.rock, paints.strata, noises.strata[i]), paints.rocky.at(steep));
-            let light = 1.0 + 0.05 * own[0] + 0.07 * own[1] + 0.05 * own[2] + 0.09 * own[3];
-            put(out, i, mixed(ground, paints.ice, ice[i] * (1.0 - 0.7 * paints.rocky.at(steep))), light);
+            let bare = paints.rocky.at(steep);
+            let ground = mixed(soil, mixed(paints.rock, paints.strata, noises.strata[i]), bare);
+            let light = 1.0 + 0.04 * own[0] + 0.045 * own[1] + 0.05 * own[2] + 0.09 * own[3];
+            put(out, i, mixed(ground, paints.frozen(&shares, i, site.height[i], own), shares.ice[i] * (1.0 - 0.5 * bare)), light);
         }
     }
 
     #[inline(always)]
-    fn dune_cover(&self, p: &Points) -> Lane {
+    fn dune_cover(&self, p: &Points, base: &Lane) -> Lane {
         let mut cover = [0.0; LANES];
-        if self.dunes().any(Dunes::coloured) {
-            let base = self.compose(p, None);
-            for mask in self.dunes().filter(|dunes| dunes.coloured()).filter_map(|dunes| dunes.mask(p, &base)) {
-                for i in 0..LANES {
-                    cover[i] = mask[i].max(cover[i]);
-                }
+        for mask in self.dunes().filter(|dunes| dunes.coloured()).filter_map(|dunes| dunes.mask(p, base)) {
+            for i in 0..LANES {
+                cover[i] = mask[i].max(cover[i]);
             }
         }
         cover
     }
 
-    /// How much of the ground is ice: caps with ragged edges, cut by troughs that wind about the poles.
+    /// How much of the ground is ice, and how much of that a trough's wall: frost with ragged edges past a latitude, and the caps.
     #[inline(always)]
-    fn ice(&self, winds: &Winds, p: &Points, noises: &Noises) -> Lane {
+    fn ice(&self, winds: &Winds, p: &Points, noises: &Noises) -> [Lane; 2] {
         const EDGE: Ramp = Ramp::new([-0.035, 0.035]);
-        const TROUGH: Ramp = Ramp::new([0.13, 0.03]);
         let per_axis = winds.per_edge / self.radius;
-        let (mut ice, mut x, mut y) = ([0.0; LANES], [0.0; LANES], [0.0; LANES]);
+        let mut ice = [0.0; LANES];
         for i in 0..LANES {
-            (x[i], y[i]) = ((p.place[0][i] * per_axis) as f32, (p.place[1][i] * per_axis) as f32);
+            let (x, y) = ((p.place[0][i] * per_axis) as f32, (p.place[1][i] * per_axis) as f32);
             let ragged = 0.25 * noises.climate[i] + 0.16 * noises.patch[i] + 0.008 * noises.thicket[i];
-            ice[i] = EDGE.at(1.0 - (x[i] * x[i] + y[i] * y[i]).sqrt() + ragged);
+            ice[i] = EDGE.at(1.0 - (x * x + y * y).sqrt() + ragged);
         }
-        if !any_above_zero(&ice) {
-            return ice;
+        let mut layered = [0.0; LANES];
+        for [cap, walls] in self.caps().filter_map(|caps| caps.cover(p)) {
+            for i in 0..LANES {
+                // Frost is patchy about a cap, and thin on the last of it.
+                let ragged = (0.6 + 0.8 * noises.patch[i] + 0.25 * noises.thicket[i]).clamp(0.0, 1.0);
+                ice[i] = (ice[i] * ragged).max(cap[i]);
+                layered[i] = walls[i].max(layered[i]);
+            }
         }
-        for i in 0..LANES {
-            let out = (x[i] * x[i] + y[i] * y[i]).sqrt().max(1e-4);
-            // Turned by an angle that grows with the distance: a turn of tangent t has cosine (1 - t²) / (1 + t²).
-            let turn = SPIRAL * out;
-            let (cosine, sine, per) = (1.0 - turn * turn, 2.0 * turn, 1.0 / ((1.0 + turn * turn) * out));
-            let arm = [(x[i] * cosine - y[i] * sine) * per * 3.4, (x[i] * sine + y[i] * cosine) * per * 3.4, out * 2.2];
-            let trough = TROUGH.at(noise_at(winds.troughs, arm).abs() + 0.06 * noises.patch[i]);
-            ice[i] *= 1.0 - 0.6 * trough * (out * 4.0).min(1.0);
-        }
-        ice
+        [ice, layered]
     }
 }
 
 impl Paints {
     /// Dust and dark sand, and how dark it is, 0 to 1.
     #[inline(always)]
-    fn soil(&self, site: &Site, i: usize, [climate, patch, thicket, tuft, streak]: [f32; 5]) -> (Rgb, f32) {
-        const HIGH: Ramp = Ramp::new([2000.0, 9000.0]);
+    fn soil(&self, shares: &Shares, i: usize, [climate, patch, thicket, tuft]: [f32; 4]) -> (Rgb, f32) {
         const PALE: Ramp = Ramp::new([-0.1, 0.8]);
         const RUDDY: Ramp = Ramp::new([-0.1, 0.7]);
-        // High ground is out of reach of sand, and covered by dust.
-        let swept = 0.95 * climate + 0.6 * streak + 0.28 * patch + 0.06 * thicket + 0.04 * tuft - 0.8 * HIGH.at(site.height[i]);
-        let dust = mixed(self.dust, self.strata, 0.75 * PALE.at(0.5 * patch - 0.8 * streak - 0.5 * climate + 0.3 * thicket));
-        let dust = mixed(dust, self.rock, 0.5 * RUDDY.at(climate + 0.6 * streak - 0.3 * patch + 0.2 * thicket));
-        let dark = self.dark.at(swept) * (0.8 + 0.25 * patch + 0.3 * streak).clamp(0.3, 1.0);
+        let streak = shares.streaks[i];
+        let swept = shares.sand[i] + 0.09 * streak + 0.1 * patch + 0.04 * thicket + 0.03 * tuft;
+        let dust = mixed(self.dust, self.strata, 0.75 * PALE.at(0.5 * patch - 0.3 * streak - 0.7 * climate + 0.3 * thicket));
+        let dust = mixed(dust, self.rock, 0.5 * RUDDY.at(climate + 0.2 * streak - 0.3 * patch + 0.2 * thicket));
+        let dark = self.dark.at(swept) * (0.85 + 0.12 * climate + 0.16 * patch + 0.1 * streak).clamp(0.25, 1.0);
         (mixed(dust, self.sand, dark), dark)
+    }
+
+    /// Ice, or on a trough's wall its layers.
+    #[inline(always)]
+    fn frozen(&self, shares: &Shares, i: usize, height: f32, [_, patch, thicket, tuft]: [f32; 4]) -> Rgb {
+        const LAYERS_M: f32 = 1.0 / 70.0;
+        let level = height * LAYERS_M + 0.8 * patch;
+        let bed = 0.5 + noise_at(0x1a7e, [level, 0.31 * level, 0.2 * patch]) + 0.2 * thicket;
+        let beds = mixed(mixed(self.dust, self.rock, 0.6), self.strata, bed.clamp(0.0, 1.0));
+        mixed(self.ice, beds, shares.layered[i] * (0.62 + 0.2 * tuft))
     }
 }

@@ -10,6 +10,7 @@
 mod albedo;
 pub(crate) mod angles;
 mod canyons;
+mod caps;
 mod climate;
 mod craters;
 mod desert;
@@ -17,26 +18,34 @@ mod dunes;
 pub(crate) mod edits;
 mod eroded;
 mod heightmap;
+mod lava;
 mod living;
 pub(crate) mod noise;
 pub(crate) mod octaves;
+mod place;
 pub(crate) mod points;
 mod profile;
 mod regions;
 mod relief;
+mod rift;
+mod shield;
 
 pub use crate::ground::GroundPoint;
 use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
 use canyons::Canyons;
+use caps::Caps;
 use craters::Craters;
 use dunes::Dunes;
 use edits::Edits;
 use glam::DVec3;
 use heightmap::Heightmap;
+use lava::Lava;
 use noise::mix;
 use octaves::{Fractal, Ramp};
 use points::{Lane, Points, WideLane, LANES};
 use relief::{Continents, Hills, Mountains, Plains};
+use rift::Rift;
+use shield::Shield;
 
 /// A planet's ground, ready to evaluate. Shared freely between threads.
 pub struct Terrain {
@@ -63,7 +72,38 @@ enum Step {
     Craters(Craters),
     Canyons(Canyons),
     Dunes(Dunes),
+    Lava(Lava),
+    Caps(Caps),
+    Shield(Shield),
+    Rift(Rift),
     Heightmap(Box<Heightmap>),
+}
+
+/// What layers leave for those after them, besides base elevation.
+struct Past {
+    /// How much of the ground is younger than most craters, 0 to 1.
+    renewed: Lane,
+    /// Metres of all rifts so far: where two meet the deeper one counts.
+    rifts: Lane,
+}
+
+impl Default for Past {
+    #[inline(always)]
+    fn default() -> Self {
+        Self { renewed: [0.0; LANES], rifts: [0.0; LANES] }
+    }
+}
+
+impl Past {
+    /// What one more rift adds.
+    #[inline(always)]
+    fn deepen(&mut self, mut own: Lane) -> Lane {
+        for i in 0..LANES {
+            let deeper = own[i].min(self.rifts[i]);
+            (own[i], self.rifts[i]) = (deeper - self.rifts[i], deeper);
+        }
+        own
+    }
 }
 
 /// Slope at the waterline relative to what it would be without beaches.
@@ -157,15 +197,17 @@ impl Terrain {
         heights.copy_from_slice(&sum[..heights.len()]);
     }
 
-    /// Base elevation: continents, basins and heightmaps alone. Adds all layers to `height` where one is given. Layers skip what
-    /// their masks hide from the whole chunk; that adds 0 elsewhere, so the bits do not depend on the chunk.
+    /// Base elevation: continents, basins, lava, volcanoes and heightmaps alone. Adds all layers to `height` where one is given. Layers
+    /// skip what their masks hide from the whole chunk; that adds 0 elsewhere, so the bits do not depend on the chunk.
     #[inline(always)]
     fn compose(&self, p: &Points, mut height: Option<&mut WideLane>) -> Lane {
-        let mut base = [0.0; LANES];
+        let (mut base, mut past) = ([0.0; LANES], Past::default());
         for step in &self.steps {
             let own = match step {
                 Step::Continents(layer) => Some(layer.metres(p)),
-                Step::Craters(layer) if layer.basins() => layer.metres(p, &base),
+                Step::Craters(layer) if layer.basins() => layer.metres(p, &base, &past.renewed),
+                Step::Lava(layer) => layer.metres(p, &base),
+                Step::Shield(layer) => layer.metres(p, &mut past.renewed),
                 Step::Heightmap(layer) => {
                     self.replace(layer, p, &mut base, height.as_deref_mut());
                     None
@@ -174,9 +216,11 @@ impl Terrain {
                 Step::Mountains(layer) => layer.metres(p, &base),
                 Step::Hills(layer) => layer.metres(p, &base),
                 Step::Plains(layer) => Some(layer.metres(p)),
-                Step::Craters(layer) => layer.metres(p, &base),
+                Step::Craters(layer) => layer.metres(p, &base, &past.renewed),
                 Step::Canyons(layer) => layer.metres(p, &base),
                 Step::Dunes(layer) => layer.metres(p, &base),
+                Step::Caps(layer) => layer.metres(p, &mut past.renewed),
+                Step::Rift(layer) => layer.metres(p).map(|own| past.deepen(own)),
             };
             let Some(own) = own else { continue };
             if step.is_base() {
@@ -206,6 +250,14 @@ impl Terrain {
 
     fn craters(&self) -> impl Iterator<Item = &Craters> {
         self.steps.iter().filter_map(|s| if let Step::Craters(c) = s { Some(c) } else { None })
+    }
+
+    fn caps(&self) -> impl Iterator<Item = &Caps> {
+        self.steps.iter().filter_map(|s| if let Step::Caps(c) = s { Some(c) } else { None })
+    }
+
+    fn rifts(&self) -> impl Iterator<Item = &Rift> {
+        self.steps.iter().filter_map(|s| if let Step::Rift(r) = s { Some(r) } else { None })
     }
 
     fn dunes(&self) -> impl Iterator<Item = &Dunes> {
@@ -245,7 +297,7 @@ impl Terrain {
                 let (l, h) = map.range();
                 (low, high) = (f64::min(low, l), f64::max(high, h));
             } else {
-                let (l, h) = step.range();
+                let (l, h) = step.range(low);
                 (low, high) = (low + l, high + h);
             }
         }
@@ -270,6 +322,10 @@ impl Step {
             Layer::Craters(l) => Self::Craters(Craters::new(seed, l, recipe.radius)),
             Layer::Canyons(l) => Self::Canyons(Canyons::new(seed, l)),
             Layer::Dunes(l) => Self::Dunes(Dunes::new(seed, l, recipe.radius)),
+            Layer::Lava(l) => Self::Lava(Lava::new(seed, l)),
+            Layer::Caps(l) => Self::Caps(Caps::new(seed, l, recipe.radius)),
+            Layer::Shield(l) => Self::Shield(Shield::new(seed, l, recipe.radius)),
+            Layer::Rift(l) => Self::Rift(Rift::new(seed, l, recipe.radius)),
             Layer::Heightmap(l) => Self::Heightmap(Box::new(Heightmap::new(recipe, l)?)),
         })
     }
@@ -277,13 +333,15 @@ impl Step {
     /// Whether the layer belongs to the base elevation, which decides where others fade in.
     fn is_base(&self) -> bool {
         match self {
-            Self::Continents(_) | Self::Heightmap(_) => true,
+            Self::Continents(_) | Self::Heightmap(_) | Self::Lava(_) | Self::Shield(_) => true,
             Self::Craters(layer) => layer.basins(),
-            Self::Mountains(_) | Self::Hills(_) | Self::Plains(_) | Self::Canyons(_) | Self::Dunes(_) => false,
+            Self::Mountains(_) | Self::Hills(_) | Self::Plains(_) => false,
+            Self::Canyons(_) | Self::Dunes(_) | Self::Caps(_) | Self::Rift(_) => false,
         }
     }
 
-    fn range(&self) -> (f64, f64) {
+    /// Least and most that the layer adds to ground no lower than `low`.
+    fn range(&self, low: f64) -> (f64, f64) {
         match self {
             Self::Continents(l) => l.range(),
             Self::Mountains(l) => l.range(),
@@ -292,6 +350,10 @@ impl Step {
             Self::Craters(l) => l.range(),
             Self::Canyons(l) => l.range(),
             Self::Dunes(l) => l.range(),
+            Self::Lava(l) => l.range(low),
+            Self::Caps(l) => l.range(),
+            Self::Shield(l) => l.range(),
+            Self::Rift(l) => l.range(),
             Self::Heightmap(l) => l.range(),
         }
     }
