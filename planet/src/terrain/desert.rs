@@ -100,7 +100,7 @@ impl Terrain {
         for floor in self.rifts().filter_map(|rift| rift.floor(p)) {
             for i in 0..LANES {
                 // Winds drop sand where they are sheltered.
-                sand[i] += 0.45 * floor[i];
+                sand[i] += 0.36 * floor[i];
             }
         }
         let shares = Shares { sand, streaks: winds.streaks(p), dunes: self.dune_cover(p, &base), ice, layered };

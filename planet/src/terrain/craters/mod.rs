@@ -14,8 +14,8 @@ use super::noise::{mix, Lattice};
 use super::octaves::{any_above_zero, Ramp, Warp};
 use super::points::{Lane, Points, LANES};
 use crate::recipe;
-pub(super) use profile::{bowl, RIM};
 use profile::Shape;
+pub(super) use profile::{bowl, RIM};
 use sites::{Seen, Sites, Visitor, REACH};
 
 /// Farthest that ejecta have relief, in rim radii; rays go on.
