@@ -49,8 +49,8 @@ const SHOTS: [Shot; 9] = [
     Shot { name: "coast", planet: "terra", view: &["--at", "36.62,106.05,4000", "--look", "0,-8"] },
     Shot { name: "mountains", planet: "terra", view: &["--at", "36.9,106.05,9000", "--look", "0,-12"] },
     Shot { name: "ground", planet: "terra", view: &["--at", "36.62,106.05,60", "--look", "30,-5"] },
-    Shot { name: "luna", planet: "luna", view: &["--at", "5,150,3000000", "--exposure", "1.5"] },
-    Shot { name: "mars", planet: "mars", view: &["--at", "0,-40,6500000"] },
+    Shot { name: "luna", planet: "luna", view: &["--at", "20,10,3000000", "--exposure", "1.5"] },
+    Shot { name: "mars", planet: "mars", view: &["--at", "-5,-75,6500000"] },
 ];
 
 /// An RGB picture.

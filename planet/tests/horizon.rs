@@ -69,7 +69,8 @@ fn the_horizon_is_elsewhere() {
     // The ground between samples is what the map cannot know: half a degree in the middle, two at a rim.
     assert!(share(&right, 0.5) < 0.01 && share(&right, 0.95) < 0.04, "{} {}", share(&right, 0.5), share(&right, 0.95));
     let turned = differences(&planet, 1.5);
-    assert!(share(&turned, 0.5) > 3.0 * share(&right, 0.5), "any azimuth would do: {}", share(&turned, 0.5));
+    let medians = [share(&right, 0.5), share(&turned, 0.5)];
+    assert!(medians[1] > 2.0 * medians[0], "any azimuth would do: {medians:?}");
 }
 
 #[test]

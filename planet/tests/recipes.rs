@@ -108,7 +108,7 @@ fn out_of_range_is_accepted() {
     let sea = format!("{HEAD}[sea]\nshallow = [0, 0]\ndeep = [0,0,0]\n{PALETTE}");
     assert_refused(&sea, &["t.toml:5", "`sea.shallow`", "3 values"]);
     assert_refused(&format!("{HEAD}{PALETTE}").replace("[0, 1]", "[1, 0]"), &["`palette.mare_m`", "first below"]);
-    assert_refused(&with_layer("kind = \"lava\""), &["t.toml:5", "`layer[0].kind`", "\"lava\"", "plains"]);
+    assert_refused(&with_layer("kind = \"moss\""), &["t.toml:5", "`layer[0].kind`", "\"moss\"", "plains"]);
 }
 
 #[test]
@@ -129,6 +129,16 @@ fn wrong_canyons_dunes_or_desert_are_accepted() {
     assert_refused(&with_layer(craters), &["t.toml:8", "`layer[0].warp_m`", "integer 200", "to 125"]);
     let continents = "kind = \"continents\"\nwavelength_m = 50\ngain = 0.5\nprofile = [[0, 0], [1, 5]]\nnorth = 3";
     assert_refused(&with_layer(continents), &["`layer[0].north`", "integer 3", "from -2 to 2"]);
+    let shield = "kind = \"shield\"\nlatitude_deg = 3\nlongitude_deg = 4\nradius_m = 500\nheight_m = 90\ncaldera_m = 100";
+    parse(&with_layer(shield)).unwrap();
+    assert_refused(&with_layer(&shield.replace("= 100", "= 300")), &["`layer[0].caldera_m`", "integer 300", "to 250"]);
+    let rift = "kind = \"rift\"\nlatitude_deg = 3\nlongitude_deg = 4\nheading_deg = 5\nlength_m = 900\nwidth_m = 90\ndepth_m = 9";
+    parse(&with_layer(rift)).unwrap();
+    assert_refused(&with_layer(&rift.replace("= 90\n", "= 500\n")), &["`layer[0].width_m`", "integer 500", "to 450"]);
+    let caps = "kind = \"caps\"\nlatitude_deg = 80\nheight_m = 90";
+    parse(&with_layer(caps)).unwrap();
+    assert_refused(&with_layer(&caps.replace("80", "90")), &["`layer[0].latitude_deg`", "integer 90", "to 89"]);
+    parse(&with_layer("kind = \"lava\"\nlevel_m = -80")).unwrap();
     let desert = "[palette]\nkind = \"desert\"\ndust = [1, 2, 3]\nsand = [1, 2, 3]\ndune = [1, 2, 3]\nrock = [1, 2, 3]\n\
                   strata = [1, 2, 3]\nice = [1, 2, 3]\nice_deg = 80\nrock_slope = [0, 1]\nclimate_m = 500\npatch_m = 500\n";
     parse(&format!("{HEAD}{desert}")).unwrap();

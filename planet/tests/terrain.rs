@@ -251,14 +251,61 @@ fn poles_of_a_desert_have_no_ice() {
     assert_eq!(white(0.3), 0.0);
 }
 
+const SHIELD: &str = "kind = \"shield\"\nlatitude_deg = 20\nlongitude_deg = 50\nradius_m = 15000\nheight_m = 2000\nscarp = 0.2\n\
+                      caldera_m = 2500\ncaldera_depth_m = 400";
+const RIFT: &str =
+    "kind = \"rift\"\nlatitude_deg = -10\nlongitude_deg = 70\nheading_deg = 90\nlength_m = 60000\nwidth_m = 6000\ndepth_m = 900";
+const CAPS: &str = "kind = \"caps\"\nlatitude_deg = 75\nheight_m = 900\ntrough_m = 300\napart_m = 2500";
+
 #[test]
 fn shield_volcano_has_no_flanks() {
-    let layer = "kind = \"craters\"\nlargest_m = 2500\nsmallest_m = 2500\nreach = 10\nshield_m = 2000\ndepth = 0.1";
-    let (with, without) = (dry(layer), dry(&layer.replace("2000", "0")));
-    let share = |terrain: &Terrain, above: f64| heights(terrain, &spread(4000)).iter().filter(|&&h| h > above).count();
-    assert!(share(&with, 100.0) > 150 && share(&without, 100.0) < 40, "{} {}", share(&with, 100.0), share(&without, 100.0));
-    let (low, high) = with.height_range();
-    assert!(heights(&with, &spread(20_000)).iter().all(|h| (low..=high).contains(h)));
+    let terrain = dry(SHIELD);
+    let (low, high) = terrain.height_range();
+    assert!(heights(&terrain, &spread(20_000)).iter().all(|h| (low..=high).contains(h)));
+    let top = turned(20.0, 50.0);
+    let at = |metres: f64| terrain.height((top + top.any_orthonormal_vector() * (metres / 50_000.0)).normalize());
+    assert!(at(0.0) < at(3500.0) - 80.0, "no caldera: {} and {}", at(0.0), at(3500.0));
+    assert!(at(3500.0) > at(8000.0) + 200.0 && at(8000.0) > 500.0, "{} and {}", at(3500.0), at(8000.0));
+    assert_eq!(at(25_000.0), 0.0);
+}
+
+#[test]
+fn rift_has_no_floor_or_is_elsewhere() {
+    let terrain = dry(RIFT);
+    let ground = heights(&terrain, &spread(40_000));
+    assert!(ground.iter().all(|h| (-900.001..=0.0).contains(h)));
+    assert!(ground.iter().filter(|&&h| h < -600.0).count() > 100);
+    let far = spread(40_000).into_iter().filter(|d| d.dot(turned(-10.0, 70.0)) < 0.5);
+    assert!(heights(&terrain, &far.collect::<Vec<_>>()).iter().all(|&h| h == 0.0));
+    // Two of them are as deep as one.
+    let twice = dry(&format!("{RIFT}\n[[layer]]\n{RIFT}"));
+    assert!(heights(&twice, &spread(40_000)).iter().all(|h| (-900.001..=0.0).contains(h)));
+}
+
+#[test]
+fn ice_and_volcanoes_keep_old_craters() {
+    let craters = "kind = \"craters\"\nlargest_m = 800\nsmallest_m = 100\ndensity = 2\nreach = 1.6";
+    let [plain, iced] = [dry(craters), dry(&format!("{CAPS}\n[[layer]]\n{craters}"))];
+    let smooth = dry(CAPS);
+    let pole: Vec<DVec3> = spread(20_000).into_iter().filter(|d| d.z > 0.985).collect();
+    let deep = |heights: Vec<f64>| heights.iter().filter(|h| h.abs() > 4.0).count();
+    let own: Vec<f64> = heights(&iced, &pole).iter().zip(heights(&smooth, &pole)).map(|(a, b)| a - b).collect();
+    let (with, without) = (deep(own), deep(heights(&plain, &pole)));
+    assert!(4 * with < without && with > 0, "{with} and {without}");
+}
+
+#[test]
+fn landmarks_differ_between_slices() {
+    // What a chunk skips must be nothing: single points against chunks, all over the planet and about each landmark.
+    for layer in [SHIELD, RIFT, CAPS] {
+        let terrain = dry(layer);
+        let directions = spread(30_000);
+        for (d, h) in directions.iter().zip(heights(&terrain, &directions)).filter(|(_, h)| *h != 0.0) {
+            assert_eq!(terrain.height(*d).to_bits(), h.to_bits(), "{layer} at {d}");
+        }
+        let zeros = directions.iter().zip(heights(&terrain, &directions)).filter(|(_, h)| *h == 0.0);
+        assert!(zeros.step_by(7).all(|(d, _)| terrain.height(*d) == 0.0), "{layer}");
+    }
 }
 
 #[test]

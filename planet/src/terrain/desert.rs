@@ -100,7 +100,7 @@ impl Terrain {
         for floor in self.rifts().filter_map(|rift| rift.floor(p)) {
             for i in 0..LANES {
                 // Winds drop sand where they are sheltered.
-                sand[i] += 0.45 * floor[i];
+                sand[i] += 0.36 * floor[i];
             }
         }
         let shares = Shares { sand, streaks: winds.streaks(p), dunes: self.dune_cover(p, &base), ice, layered };
@@ -183,6 +183,6 @@ impl Paints {
         let level = height * LAYERS_M + 0.8 * patch;
         let bed = 0.5 + noise_at(0x1a7e, [level, 0.31 * level, 0.2 * patch]) + 0.2 * thicket;
         let beds = mixed(mixed(self.dust, self.rock, 0.6), self.strata, bed.clamp(0.0, 1.0));
-        mixed(self.ice, beds, shares.layered[i] * (0.62 + 0.2 * tuft))
+        mixed(self.ice, beds, shares.layered[i] * (0.42 + 0.15 * tuft))
     }
 }

@@ -266,7 +266,7 @@ mod tests {
                 }
                 high += together.iter().filter(|h| h.abs() > 0.02 * diameter_m as f32).count();
             }
-            assert!(high > 50, "{diameter_m} m in {spread} m: only {high} points in craters");
+            assert!(high > 30, "{diameter_m} m in {spread} m: only {high} points in craters");
         }
     }
 
@@ -283,15 +283,17 @@ mod tests {
             let sum = class.sum(&p, &[0.0; LANES], &[1.0; LANES]);
             counts[octant] += usize::from(sum.height[0] < -0.05);
         }
-        assert!(counts.iter().all(|&n| n > 600), "{counts:?}");
+        assert!(counts.iter().all(|&n| (300..600).contains(&n)), "{counts:?}");
     }
 
     #[test]
     fn lava_leaves_old_craters() {
-        let class = class(5, 300.0);
         let p = Points::at(points(900.0));
-        let deep = |left: f32| class.sum(&p, &[0.0; LANES], &[left; LANES]).height.iter().filter(|&&h| h < -0.02).count();
-        assert!(deep(1.0) > 3 * deep(0.25) && deep(0.0) == 0, "{} {} {}", deep(1.0), deep(0.25), deep(0.0));
+        let deep = |left: f32| {
+            let low = |class: Class| class.sum(&p, &[0.0; LANES], &[left; LANES]).height.iter().filter(|&&h| h < -0.02).count();
+            (0..12).map(|seed| low(class(seed, 200.0))).sum::<usize>()
+        };
+        assert!(deep(1.0) > 2 * deep(0.25) && deep(0.25) > 0 && deep(0.0) == 0, "{} {} {}", deep(1.0), deep(0.25), deep(0.0));
     }
 
     #[test]
