@@ -68,6 +68,8 @@ const float CROWN_COPIES[2] = float[](4.0, 7.0);
 // Adds a copy of a layer: slopes as a gradient in space, and brightness; both fade into nothing where a pixel holds many of them.
 void add_grain(inout vec4 sum, vec3 place, vec3 weights, float texels, float copies, float layer, float share) {
     float lod = log2(texels * copies);
+    // Single crowns are gone by then: what is left of them would only show where the map repeats.
+    if (layer == CROWN_LAYER) share *= smoothstep(4.5, 2.5, lod);
     for (uint axes = lod > 7.0 || share <= 0.0 ? 0u : counted_axes(weights); axes != 0u;) {
         int axis = next_axis(axes);
         vec3 found = textureLod(grain_map, vec3(coordinates_along(axis, place) * copies, layer), lod).xyz;
@@ -80,7 +82,7 @@ void grain_of(vec3 from_camera, vec3 up, float footprint, float wooded, out vec4
     bare = vec4(0.0);
     crowns = vec4(0.0);
     float texels = footprint * float(textureSize(grain_map, 0).x) / REPEAT_M;
-    if (log2(texels * CROWN_COPIES[0]) > 7.0) return;
+    if (log2(texels * CROWN_COPIES[0]) > 4.5) return;
     vec3 place = in_periods(from_camera), weights = axis_weights(up);
     add_grain(crowns, place, weights, texels, CROWN_COPIES[0], CROWN_LAYER, 0.8 * wooded);
     add_grain(crowns, place + 0.37, weights, texels, CROWN_COPIES[1], CROWN_LAYER, 0.6 * wooded);

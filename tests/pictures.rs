@@ -23,6 +23,10 @@ const CELLS: u32 = 32;
 const PLACE: [f64; 2] = [36.62, 106.05];
 /// Finest level of terra.
 const FINEST: u8 = 15;
+/// Latitude and longitude of the mountains, and how far about and how finely they are baked.
+const MOUNTAINS: [f64; 2] = [44.76, 54.0];
+const MOUNTAINS_M: f64 = 18e3;
+const MOUNTAINS_FINEST: u8 = 11;
 /// Level of the patch whose descendants are taken away to see a picture fail: coarse enough to be seen in two of them.
 const LOST: u8 = 8;
 /// Difference of a channel up to which pixels count as equal.
@@ -47,7 +51,7 @@ const SHOTS: [Shot; 9] = [
     Shot { name: "terminator", planet: "terra", view: &["--at", "10,100,9000000", "--sun", "90,2"] },
     Shot { name: "glitter", planet: "terra", view: &["--at", "36.6,106.02,600", "--look", "10,-8", "--sun", "10,18"] },
     Shot { name: "coast", planet: "terra", view: &["--at", "36.62,106.05,4000", "--look", "0,-8"] },
-    Shot { name: "mountains", planet: "terra", view: &["--at", "36.9,106.05,9000", "--look", "0,-12"] },
+    Shot { name: "mountains", planet: "terra", view: &["--at", "44.707,53.85,1300", "--look", "70,-4", "--sun", "160,20"] },
     Shot { name: "ground", planet: "terra", view: &["--at", "36.62,106.05,60", "--look", "30,-5"] },
     Shot { name: "luna", planet: "luna", view: &["--at", "20,10,3000000", "--exposure", "1.5"] },
     Shot { name: "mars", planet: "mars", view: &["--at", "-5,-75,6500000"] },
@@ -189,8 +193,12 @@ fn planets() -> &'static Path {
     static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
-        let region = Region { direction: direction_at(PLACE[0], PLACE[1]), radius_m: 0.0, to_level: FINEST };
-        for (name, levels, region) in [("terra", 1, Some(region)), ("luna", 2, None), ("mars", 2, None)] {
+        let place = Region { direction: direction_at(PLACE[0], PLACE[1]), radius_m: 0.0, to_level: FINEST };
+        let [latitude, longitude] = MOUNTAINS;
+        let mountains =
+            Region { direction: direction_at(latitude, longitude), radius_m: MOUNTAINS_M, to_level: MOUNTAINS_FINEST };
+        let bakes = [("terra", 1, Some(place)), ("terra", 1, Some(mountains)), ("luna", 2, None), ("mars", 2, None)];
+        for (name, levels, region) in bakes {
             let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../planet/recipes/{name}.toml"));
             let planet = Planet::from_recipe(Recipe::load(&recipe).unwrap(), CELLS).unwrap();
             let plan = BakePlan::new(planet.recipe.radius, levels, region).unwrap();

@@ -37,8 +37,8 @@ pub fn crown_map(seed: u64) -> Vec<GrainLevel> {
     let stand = fractal(seed ^ 0x57a4d);
     for ((height, tint), stand) in heights.iter_mut().zip(&mut tints).zip(&stand) {
         // Gaps are dark, and stands of trees differ.
-        *tint = 0.35 * *tint + 1.3 * *height + 0.7 * stand;
-        *height += 0.35 * stand;
+        *tint = 0.35 * *tint + 1.3 * *height + 0.3 * stand;
+        *height += 0.2 * stand;
     }
     levels(&heights, &tints)
 }

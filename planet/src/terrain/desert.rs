@@ -149,12 +149,16 @@ impl Terrain {
             let ragged = 0.25 * noises.climate[i] + 0.16 * noises.patch[i] + 0.008 * noises.thicket[i];
             ice[i] = EDGE.at(1.0 - (x * x + y * y).sqrt() + ragged);
         }
+        // Frost is patchy about a cap, whether the cap comes near this chunk or not.
+        if self.caps().next().is_some() {
+            for i in 0..LANES {
+                ice[i] *= (0.6 + 0.8 * noises.patch[i] + 0.25 * noises.thicket[i]).clamp(0.0, 1.0);
+            }
+        }
         let mut layered = [0.0; LANES];
         for [cap, walls] in self.caps().filter_map(|caps| caps.cover(p)) {
             for i in 0..LANES {
-                // Frost is patchy about a cap, and thin on the last of it.
-                let ragged = (0.6 + 0.8 * noises.patch[i] + 0.25 * noises.thicket[i]).clamp(0.0, 1.0);
-                ice[i] = (ice[i] * ragged).max(cap[i]);
+                ice[i] = ice[i].max(cap[i]);
                 layered[i] = walls[i].max(layered[i]);
             }
         }

@@ -12,7 +12,7 @@ const LACUNARITY: f64 = 1.97;
 
 /// Octaves of the massifs that gullies cut into, and what each is of the one before.
 const MASSIFS: usize = 3;
-const MASSIF_GAIN: f32 = 0.52;
+const MASSIF_GAIN: f32 = 0.6;
 /// How much of each is ridged. The first is not: valleys that are its lower half join, pans between ridges would not.
 const RIDGED: [f32; MASSIFS] = [0.0, 0.65, 0.6];
 /// Half-width of crests, in noise.
@@ -32,9 +32,6 @@ const CRESTS: f32 = 1.2;
 /// Crags, relative to the gullies that would come next.
 const CRAGS: f32 = 1.0;
 
-/// The highest that everything adds up to, where massifs are 1 high.
-const HIGHEST: f32 = 1.7;
-
 /// Massifs, gullies, crags.
 #[derive(Clone, Debug)]
 pub(crate) struct Eroded {
@@ -43,6 +40,8 @@ pub(crate) struct Eroded {
     gullies: Vec<(Lattice, f32, f32)>,
     crags: Fractal,
     crag_share: f32,
+    /// How high it can be where massifs are 1 high.
+    highest: f32,
 }
 
 impl Eroded {
@@ -65,7 +64,9 @@ impl Eroded {
             share *= run.gain as f32;
         }
         let crags = Fractal::new(mix(seed ^ 77), &Octaves { wavelength_m, ..run.clone() });
-        Self { massifs, gullies, crags, crag_share: CRAGS * share }
+        let crag_share = CRAGS * share;
+        let gullies_share = gullies.iter().fold(0.0, |sum, gully| sum + gully.2);
+        Self { massifs, gullies, crags, crag_share, highest: highest_massif() + gullies_share + crag_share }
     }
 
     /// Metres at each point where massifs are `scale` metres high, never more than `scale` times [`Eroded::highest`].
@@ -104,7 +105,7 @@ impl Eroded {
 
     /// How high it can be where massifs are 1 high.
     pub(crate) fn highest(&self) -> f32 {
-        HIGHEST
+        self.highest
     }
 
     /// Height of the massifs, 1 being high, and how much that grows a metre along each axis.
@@ -126,6 +127,18 @@ impl Eroded {
         }
         (height, slope)
     }
+}
+
+/// No massif is higher over the valley floors.
+fn highest_massif() -> f32 {
+    let (mut height, mut amplitude) = (0.0, 1.0);
+    for ridge in RIDGED {
+        // At the end of the noise's range, or near a crest.
+        height += amplitude * (1.0 - 2.2 * ridge).max(0.4 * ridge + (1.0 - ridge) * CREST);
+        amplitude *= MASSIF_GAIN;
+    }
+    let above = height - FLOOR;
+    0.5 * (above + (above * above + FLOOR_SOFTNESS * FLOOR_SOFTNESS).sqrt())
 }
 
 /// Adds an octave of gullies, and what it changes of the slope. Waves stand across the slope, so that their hollows run down it.
@@ -166,4 +179,24 @@ fn steepness(across: [f32; 3]) -> (f32, f32) {
 #[inline(always)]
 fn crossed(a: [f32; 3], b: [f32; 3]) -> [f32; 3] {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::terrain::noise::unit;
+
+    #[test]
+    fn mountains_leave_their_bounds_or_are_flat() {
+        let eroded = Eroded::new(5, &Octaves { wavelength_m: 15e3, detail_m: 2.0, gain: 0.8 });
+        let (mut lowest, mut highest) = (f32::MAX, 0.0_f32);
+        for n in 0..200_u64 {
+            let place = |axis: u64| std::array::from_fn(|i| (unit(mix((n * 1000 + i as u64) ^ (axis << 40))) - 0.5) * 9e6);
+            let metres = eroded.metres(&Points::at([place(1), place(2), place(3)]), &[1000.0; LANES]);
+            lowest = metres.iter().fold(lowest, |low, &h| low.min(h));
+            highest = metres.iter().fold(highest, |high, &h| high.max(h));
+        }
+        assert!(highest <= 1000.0 * eroded.highest() && highest > 450.0 * eroded.highest(), "{highest} m");
+        assert!((0.0..100.0).contains(&lowest), "{lowest} m");
+    }
 }

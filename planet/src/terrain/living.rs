@@ -22,6 +22,8 @@ pub(super) struct Biomes {
     /// Kinds of soil and stone, over hundreds of kilometres.
     province: Fractal,
     streaks: Fractal,
+    /// Woods, meadows and scrub within a landscape, over kilometres.
+    mosaic: Fractal,
     /// How far the edges of climates stray, in metres.
     stray_m: f64,
     climate: OnceLock<Climate>,
@@ -31,7 +33,9 @@ impl Biomes {
     pub(super) fn new(seed: u64, palette: &Living) -> Self {
         let province_m = palette.climate_m * 0.28;
         let run = Octaves { wavelength_m: palette.patch_m * 0.9, detail_m: palette.patch_m * 0.004, gain: 0.6 };
+        let fields = Octaves { wavelength_m: palette.patch_m * 0.085, detail_m: palette.patch_m * 0.005, gain: 0.72 };
         Self {
+            mosaic: Fractal::new(mix(seed ^ 33), &fields),
             province: Fractal::few(mix(seed ^ 31), province_m, 7),
             streaks: Fractal::new(mix(seed ^ 32), &run),
             stray_m: palette.patch_m * 0.4,
@@ -78,6 +82,7 @@ struct Own {
     province: f32,
     patch: f32,
     streak: f32,
+    mosaic: f32,
     thicket: f32,
     tuft: f32,
     strata: f32,
@@ -91,6 +96,7 @@ impl Terrain {
         let province = biomes.province.seen(p, &site.spacing);
         let patch = tints.patch.seen(p, &site.spacing);
         let streak = biomes.streaks(p, &climate, &site.spacing);
+        let mosaic = biomes.mosaic.seen(p, &site.spacing);
         let thicket = tints.thicket.seen(p, &site.spacing);
         let tuft = tints.tuft.seen(p, &site.spacing);
         let strata = tints.strata(site, &patch);
@@ -113,6 +119,7 @@ impl Terrain {
                 province: province[i],
                 patch: patch[i],
                 streak: streak[i],
+                mosaic: mosaic[i],
                 thicket: thicket[i],
                 tuft: tuft[i],
                 strata: strata[i],
@@ -251,8 +258,8 @@ impl Paints {
         let ragged = 130.0 * own.patch + 90.0 * own.thicket + 45.0 * own.tuft;
         let over_trees = place.height - ragged - (line - self.tree_drop_m) + 500.0 * slope;
         // Clumps of trees stand on moist ground first: hollows, north slopes, banks.
-        let clump = own.thicket * (0.6 + 1.2 * own.patch).clamp(0.15, 1.3);
-        let woods = 0.3 + 0.2 * (1.0 - 2.2 * sine).max(0.0) - (1.35 * dry).clamp(-0.24, 1.0)
+        let clump = own.thicket * (0.6 + 1.2 * own.patch).clamp(0.35, 1.3);
+        let woods = 0.2 + 0.25 * (1.0 - 2.2 * sine).max(0.0) - (1.35 * dry).clamp(-0.24, 1.0)
             + 0.85 * own.patch
             + 0.35 * own.province
             + 0.45 * clump
@@ -298,10 +305,14 @@ impl Paints {
     #[inline(always)]
     fn grass(&self, ground: &Ground, own: &Own) -> Rgb {
         let grass = mixed(self.dry, self.lush, ground.wet);
-        let ripe = rise(own.patch + 0.4 * own.thicket - 0.4 * own.province, 0.2, 0.35);
+        let ripe = rise(0.6 * own.patch - 0.8 * own.mosaic + 0.4 * own.thicket - 0.4 * own.province, 0.2, 0.35);
         let grass = mixed(grass, axes(|k| self.dry[k] * [1.06, 1.0, 0.88][k]), 0.45 * ripe);
         let brown = mixed(self.tundra, self.badland, 0.3);
-        let grass = mixed(grass, brown, 0.4 * rise(own.province - 0.3 * own.patch, 0.15, 0.3) * (1.0 - 0.5 * ground.wet));
+        let grass = mixed(
+            grass,
+            brown,
+            0.4 * rise(own.province - 0.3 * own.patch - 0.7 * own.mosaic, 0.2, 0.3) * (1.0 - 0.5 * ground.wet),
+        );
         let worn = rise(0.6 * own.thicket + 0.7 * own.tuft, 0.5, 0.4) * (0.45 + 0.9 * own.patch).clamp(0.08, 0.6);
         mixed(grass, self.dry, worn * (1.0 - 0.75 * ground.wet))
     }
@@ -310,9 +321,11 @@ impl Paints {
     #[inline(always)]
     fn trees(&self, ground: &Ground, own: &Own) -> Rgb {
         let [warm, cool] = [ground.tropical, ground.boreal];
-        let stand = 1.0 + 0.14 * own.patch + 0.1 * own.province;
+        let stand = 1.0 + 0.1 * own.patch + 0.14 * own.mosaic + 0.1 * own.province;
         let tint = [1.0 - 0.1 * warm - 0.16 * cool, 1.0 + 0.1 * warm - 0.12 * cool, 1.0 - 0.15 * warm + 0.05 * cool];
         let open = mixed(self.forest, self.dry, 0.4 * (1.0 - ground.wet));
+        // Young woods, glades and broad leaves are brighter than old pines.
+        let open = mixed(open, self.lush, 0.4 * rise(own.mosaic + 0.5 * own.thicket - 0.3 * own.patch, 0.25, 0.4));
         axes(|k| open[k] * tint[k] * (if k == 2 { 1.0 } else { stand }))
     }
 
@@ -324,7 +337,7 @@ impl Paints {
         let streaky = own.streak * 0.5;
         let sand = mixed(self.desert, self.badland, 0.5 * rise(own.climate + 0.5 * own.province, 0.15, 0.4));
         let sand = axes(|k| sand[k] * (1.0 + 0.1 * streaky + 0.05 * own.patch));
-        let gravel = mixed(self.rock, self.badland, 0.35 + 0.4 * own.climate.clamp(-0.5, 0.5));
+        let gravel = mixed(self.rock, self.badland, (0.35 + 0.4 * own.climate + 0.3 * own.mosaic).clamp(0.05, 0.8));
         let gravel = mixed(gravel, self.desert, (0.42 + 0.5 * streaky + 0.3 * own.patch).clamp(0.05, 0.85));
         let erg = rise(0.9 * own.province + 0.55 * streaky + 0.25 * own.patch + 0.25, 0.12, 0.2) * calm;
         let plain = mixed(gravel, sand, erg);
@@ -333,7 +346,7 @@ impl Paints {
         let dark = axes(|k| self.rock[k] * [0.82, 0.74, 0.68][k]);
         let plain = mixed(plain, mixed(dark, self.badland, 0.35 * rise(own.province, 0.1, 0.4)), 0.85 * massif * ground.arid);
         let salt = axes(|k| 0.35 * self.snow[k] + 0.65 * self.beach[k]);
-        let pan = rise(-own.province - 0.5 * own.patch - over_mean * (1.0 / 500.0), 0.62, 0.14);
+        let pan = rise(-own.province - 0.5 * own.patch - over_mean * (1.0 / 500.0), 0.74, 0.13);
         mixed(plain, salt, 0.8 * pan * calm * (1.0 - rise(place.slope, 0.06, 0.04)))
     }
 
