@@ -24,7 +24,7 @@ const PLACE: [f64; 2] = [36.62, 106.05];
 /// Finest level of terra.
 const FINEST: u8 = 15;
 /// Latitude and longitude of the mountains, and how far about and how finely they are baked.
-const MOUNTAINS: [f64; 2] = [44.76, 54.0];
+const MOUNTAINS: [f64; 2] = [44.78, 54.17];
 const MOUNTAINS_M: f64 = 18e3;
 const MOUNTAINS_FINEST: u8 = 11;
 /// Level of the patch whose descendants are taken away to see a picture fail: coarse enough to be seen in two of them.
@@ -51,7 +51,7 @@ const SHOTS: [Shot; 9] = [
     Shot { name: "terminator", planet: "terra", view: &["--at", "10,100,9000000", "--sun", "90,2"] },
     Shot { name: "glitter", planet: "terra", view: &["--at", "36.6,106.02,600", "--look", "10,-8", "--sun", "10,18"] },
     Shot { name: "coast", planet: "terra", view: &["--at", "36.62,106.05,4000", "--look", "0,-8"] },
-    Shot { name: "mountains", planet: "terra", view: &["--at", "44.707,53.85,1300", "--look", "70,-4", "--sun", "160,20"] },
+    Shot { name: "mountains", planet: "terra", view: &["--at", "44.73,53.97,1500", "--look", "76,-2", "--sun", "160,20", "--clear-sky"] },
     Shot { name: "ground", planet: "terra", view: &["--at", "36.62,106.05,60", "--look", "30,-5"] },
     Shot { name: "luna", planet: "luna", view: &["--at", "20,10,3000000", "--exposure", "1.5"] },
     Shot { name: "mars", planet: "mars", view: &["--at", "-5,-75,6500000"] },
