@@ -20,7 +20,7 @@ const SIZE: [u32; 2] = [320, 180];
 /// Grid cells of the planets.
 const CELLS: u32 = 32;
 /// Latitude and longitude that the descent ends at, where terra is baked to its finest level.
-const PLACE: [f64; 2] = [36.62, 106.05];
+const PLACE: [f64; 2] = [-38.95, 34.34];
 /// Finest level of terra.
 const FINEST: u8 = 15;
 /// Latitude and longitude of the mountains, and how far about and how finely they are baked.
@@ -47,12 +47,12 @@ struct Shot {
 
 const SHOTS: [Shot; 9] = [
     Shot { name: "orbit", planet: "terra", view: &["--at", "20,90,12000000"] },
-    Shot { name: "limb", planet: "terra", view: &["--at", "36.62,106.05,300000", "--look", "60,-18"] },
+    Shot { name: "limb", planet: "terra", view: &["--at", "-38.95,34.34,300000", "--look", "60,-18"] },
     Shot { name: "terminator", planet: "terra", view: &["--at", "10,100,9000000", "--sun", "90,2"] },
-    Shot { name: "glitter", planet: "terra", view: &["--at", "36.6,106.02,600", "--look", "10,-8", "--sun", "10,18"] },
-    Shot { name: "coast", planet: "terra", view: &["--at", "36.62,106.05,4000", "--look", "0,-8"] },
+    Shot { name: "glitter", planet: "terra", view: &["--at", "-38.95,34.34,600", "--look", "350,-8", "--sun", "350,18"] },
+    Shot { name: "coast", planet: "terra", view: &["--at", "-38.95,34.34,1500", "--look", "310,-9"] },
     Shot { name: "mountains", planet: "terra", view: &["--at", "44.73,53.97,1500", "--look", "76,-2", "--sun", "160,20", "--clear-sky"] },
-    Shot { name: "ground", planet: "terra", view: &["--at", "36.62,106.05,60", "--look", "30,-5"] },
+    Shot { name: "ground", planet: "terra", view: &["--at", "-38.95,34.34,60", "--look", "300,-5"] },
     Shot { name: "luna", planet: "luna", view: &["--at", "20,10,3000000", "--exposure", "1.5"] },
     Shot { name: "mars", planet: "mars", view: &["--at", "-5,-75,6500000"] },
 ];
@@ -339,7 +339,7 @@ fn a_picture_of_nothing_is_noticed() {
     if device().is_none() {
         return;
     }
-    let sky = ["--at", "36.62,106.05,60", "--look", "30,45"];
+    let sky = ["--at", "-38.95,34.34,60", "--look", "30,45"];
     let planet = planets().join("terra.planet");
     let found = check_content("sky", &render(&planet, &sky, &[]), &render(&planet, &sky, &["--mode", "depth"]));
     assert!(found.as_ref().is_err_and(|fault| fault.contains("0.0 % of the picture")), "{found:?}");
