@@ -51,7 +51,11 @@ const SHOTS: [Shot; 9] = [
     Shot { name: "terminator", planet: "terra", view: &["--at", "10,100,9000000", "--sun", "90,2"] },
     Shot { name: "glitter", planet: "terra", view: &["--at", "-38.95,34.34,600", "--look", "350,-8", "--sun", "350,18"] },
     Shot { name: "coast", planet: "terra", view: &["--at", "-38.95,34.34,1500", "--look", "310,-9"] },
-    Shot { name: "mountains", planet: "terra", view: &["--at", "44.73,53.97,1500", "--look", "76,-2", "--sun", "160,20", "--clear-sky"] },
+    Shot {
+        name: "mountains",
+        planet: "terra",
+        view: &["--at", "44.73,53.97,1500", "--look", "76,-2", "--sun", "160,20", "--clear-sky"],
+    },
     Shot { name: "ground", planet: "terra", view: &["--at", "-38.95,34.34,60", "--look", "300,-5"] },
     Shot { name: "luna", planet: "luna", view: &["--at", "20,10,3000000", "--exposure", "1.5"] },
     Shot { name: "mars", planet: "mars", view: &["--at", "-5,-75,6500000"] },

@@ -139,11 +139,11 @@ impl Weather {
         let octaves = crate::recipe::Octaves { wavelength_m: WEATHER * radius, detail_m: radius / 700.0, gain: 0.66 };
         let mut random = Random::new(mix(seed));
         let storm = |k: usize| {
-            let south = if k % 2 == 0 { 1.0 } else { -1.0 };
+            let half = if k.is_multiple_of(2) { 1.0 } else { -1.0 };
             let latitude = random.range(STORM_LATITUDES[0], STORM_LATITUDES[1]);
-            let centre = crate::sphere::direction_at(latitude * south, random.range(-180.0, 180.0));
+            let centre = crate::sphere::direction_at(latitude * half, random.range(-180.0, 180.0));
             let radius = random.range(STORM_RADII[0], STORM_RADII[1]);
-            Storm { centre, radius, turn: south * random.range(STORM_TURNS[0], STORM_TURNS[1]) }
+            Storm { centre, radius, turn: half * random.range(STORM_TURNS[0], STORM_TURNS[1]) }
         };
         Self {
             radius,

@@ -309,6 +309,26 @@ fn landmarks_differ_between_slices() {
 }
 
 #[test]
+fn colours_differ_between_slices() {
+    // What is near some points of a slice must not colour the others: frost about the polar caps once did.
+    for name in ["mars", "luna", "terra"] {
+        let terrain = terrain(name);
+        let about_poles = spread(40_000).into_iter().filter(|d| d.z.abs() > 0.95);
+        let ground = |direction| GroundPoint { direction, height: 100.0, slope: 0.05, north: 0.0, spacing: 200.0 };
+        let points: Vec<GroundPoint> = about_poles.map(ground).collect();
+        let colours = |slice: &[GroundPoint]| {
+            let mut albedo = vec![[0; 3]; slice.len()];
+            terrain.albedo(slice, &mut albedo);
+            albedo
+        };
+        let whole = colours(&points);
+        for (k, point) in points.iter().enumerate() {
+            assert_eq!(colours(&[*point])[0], whole[k], "{name} at {}", point.direction);
+        }
+    }
+}
+
+#[test]
 fn north_of_mars_is_not_low() {
     let (terrain, places) = (terrain("mars"), spread(4000));
     let mean = |sign: f64| {

@@ -39,7 +39,7 @@ impl Sky {
     }
 
     /// Radiance from above a direction, with the sun behind the eye.
-    fn from_afar(&mut self, direction: DVec3, mode: Mode, clouds: bool) -> (Camera, Vec<f32>) {
+    fn seen_from_afar(&mut self, direction: DVec3, mode: Mode, clouds: bool) -> (Camera, Vec<f32>) {
         let view = self.view(direction * (FAR * RADIUS), -90.0, 0.11);
         let cut = self.scene.settle(&view).unwrap();
         let look = Look { mode, sun: direction, exposure: DAYLIGHT, metering: None, clouds };
@@ -79,8 +79,8 @@ fn clouds_lie_elsewhere_than_the_map_says() {
     let more = (0..17).map(|k| direction_at(f64::from(k * 10 - 80), f64::from(k * 137 % 360)));
     let (mut thick, mut hidden, mut clear, mut changed, mut elsewhere) = (0, 0, 0, 0, 0);
     for place in places.map(DVec3::normalize).into_iter().chain(more) {
-        let (camera, cloudy) = sky.from_afar(place, Mode::Shaded, true);
-        let (_, bare) = sky.from_afar(place, Mode::Shaded, false);
+        let (camera, cloudy) = sky.seen_from_afar(place, Mode::Shaded, true);
+        let (_, bare) = sky.seen_from_afar(place, Mode::Shaded, false);
         let pixel_m = (FAR - 1.0) * RADIUS * 2.0 * camera.half_extents().1 / f64::from(SIZE[1]);
         let texel_m = 3.545 * CLOUDS / CLOUD_SIDE as f64;
         let power = (pixel_m / texel_m).log2().round() as usize;
@@ -114,7 +114,7 @@ fn tiles_have_other_clouds_than_the_whole() {
     let view = sky.view(DVec3::new(0.3, 0.5, 0.6).normalize() * (CLOUDS + 900.0), -12.0, 1.1);
     let cut = sky.scene.settle(&view).unwrap();
     let look = Look { mode: Mode::Shaded, sun: view.eye.normalize(), exposure: DAYLIGHT, metering: None, clouds: true };
-    let mut draw = |tile| {
+    let draw = |tile| {
         let mut studio = Studio::new(&context, SIZE, StillOptions { tile, ..StillOptions::default() }).unwrap();
         match studio.draw(&sky.scene, &view, &cut, &look, &|_, _| ()).unwrap().pixels {
             Pixels::Eight(pixels) => pixels,
@@ -130,6 +130,6 @@ fn tiles_have_other_clouds_than_the_whole() {
 fn clouds_hide_numbers() {
     let Some(context) = device() else { return };
     let mut sky = Sky::new(&context);
-    let [cloudy, bare] = [true, false].map(|clouds| sky.from_afar(DVec3::X, Mode::Albedo, clouds).1);
+    let [cloudy, bare] = [true, false].map(|clouds| sky.seen_from_afar(DVec3::X, Mode::Albedo, clouds).1);
     assert!(cloudy == bare, "clouds show in a diagram");
 }
