@@ -141,7 +141,8 @@ fn terra_is_not_mostly_ocean() {
     let deep = ground.iter().filter(|&&h| h < -3000.0).count() as f64 / ground.len() as f64;
     assert!(deep > 0.3, "abyssal plains cover {deep}");
     let highest = ground.iter().copied().fold(0.0, f64::max);
-    assert!((6000.0..10_500.0).contains(&highest), "highest {highest}");
+    // Places 90 km apart seldom are summits.
+    assert!((5000.0..10_500.0).contains(&highest), "highest {highest}");
 }
 
 #[test]

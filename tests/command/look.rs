@@ -46,7 +46,7 @@ fn dates_exposure_or_clouds_change_nothing() {
     let metered = brightness(folder, &["--date", "2026-03-20T22:40Z", "--exposure", "auto"]);
     assert!(metered > 1.5 * midnight, "midnight {midnight}, metered {metered}");
     let [cloudy, clear] = [&[][..], &["--clear-sky"]].map(|options| brightness(folder, options));
-    assert!(cloudy > 1.1 * clear, "cloudy {cloudy}, clear {clear}");
+    assert!(cloudy > 1.04 * clear, "cloudy {cloudy}, clear {clear}");
 }
 
 #[test]

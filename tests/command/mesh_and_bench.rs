@@ -130,7 +130,7 @@ fn comparisons_bring_every_method_to_the_same_error() {
     let folder = tempfile::tempdir().unwrap();
     planet_in(folder.path());
     let key = |time: u32, altitude: u32, pitch: i32| {
-        format!("{{\"time_s\":{time},\"latitude\":45,\"longitude\":100,\"altitude_m\":{altitude},\"heading\":30,\"pitch\":{pitch},\"fov\":50}}")
+        format!("{{\"time_s\":{time},\"latitude\":10,\"longitude\":20,\"altitude_m\":{altitude},\"heading\":30,\"pitch\":{pitch},\"fov\":50}}")
     };
     std::fs::write(folder.path().join("p.json"), format!("[{},{}]", key(0, 30_000, -90), key(9, 3000, -20))).unwrap();
     let arguments = ["compare", "tiny.planet", "--path", "p.json", "--frames", "2", "--size", "1280x720", "--json", "c.json"];

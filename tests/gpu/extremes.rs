@@ -50,7 +50,9 @@ impl Studio {
 
     /// A camera so many metres above the ground, or the sea, of a place.
     fn above(&self, place: DVec3, metres: f64, pitch: f64, fov: f64) -> Camera {
-        let ground = self.scene.ground().height_at(place).unwrap().max(0.0);
+        // The ground that is known so far, and what finer patches will show.
+        let known = self.scene.ground().height_at(place).unwrap();
+        let ground = known.max(self.scene.planet().terrain.height(place)).max(0.0);
         Camera::looking(place * (self.radius() + ground + metres), 30.0, pitch, fov, SIZE)
     }
 
