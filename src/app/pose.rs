@@ -11,6 +11,9 @@ use terrane_planet::view::Camera;
 /// Height in metres above ground and sea that the viewer never sinks below.
 pub(super) const LEAST_HEIGHT: f64 = 2.0;
 
+/// Metres by which a height that was set may come back lower.
+const ROUNDING: f64 = 1e-6;
+
 /// A level viewer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Pose {
@@ -96,7 +99,7 @@ impl Pose {
 
     /// Lifts the viewer out of the ground. Returns whether that was needed.
     pub(super) fn keep_above(&mut self, surface: &dyn Surface) -> bool {
-        let below = self.height(surface) < LEAST_HEIGHT;
+        let below = self.height(surface) < LEAST_HEIGHT - ROUNDING;
         if below {
             self.set_height(LEAST_HEIGHT, surface);
         }

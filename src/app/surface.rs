@@ -128,7 +128,7 @@ mod tests {
         let (planet, known, [foot, top]) = mountain();
         let height = |place: DVec3, level| known.height_to_level(place, level).unwrap().height;
         let finest = |place: DVec3| known.height_at(place).unwrap();
-        let places = (0..40).map(|k| foot.lerp(top, f64::from(k) / 40.0).normalize());
+        let places = (0..=60).map(|k| foot.lerp(top, f64::from(k) / 40.0).normalize());
         let coarser = places.flat_map(|place| (0..finest(place).level).map(move |level| (place, level)));
         let above = |&(place, level): &(DVec3, u8)| height(place, level) - finest(place).height;
         let (place, level) = coarser.max_by(|a, b| above(a).total_cmp(&above(b))).unwrap();

@@ -1,5 +1,5 @@
 //! The `[atmosphere]` table of a recipe: a thin shell of molecules and aerosols, exponential in height, and a layer of ozone. In: the
-//! table. Out: an [`Atmosphere`]. The model is that of Bruneton (2017), whose values for the Earth `terra.toml` has.
+//! table. Out: an [`Atmosphere`]. The model is that of Bruneton (2017).
 
 use super::error::RecipeError;
 use super::reader::Reader;
