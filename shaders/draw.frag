@@ -109,7 +109,7 @@ void main() {
     Ground ground = ground_of(target, distance, abs(dot(in_place, up)) / distance);
     vec3 along = normalize(target.grid_axis - up * dot(target.grid_axis, up));
     vec3 normal = normalize(up - along * ground.slope.x - cross(up, along) * ground.slope.y);
-    float footprint = distance * 2.0 * length(light.up) / light.size.y * inversesqrt(max(abs(dot(in_place, normal)) / distance, 0.05));
+    float footprint = distance * pixel_angle() * inversesqrt(max(abs(dot(in_place, normal)) / distance, 0.05));
     float wooded = wooded_share(ground.albedo);
     vec4 bare, crowns;
     grain_of(in_place, up, footprint, wooded, bare, crowns);

@@ -82,7 +82,7 @@ void main() {
     vec3 from_centre = light.camera + ray * t, up = normalize(from_centre);
     float elevation = dot(up, light.sun), grazing = max(-dot(ray, up), 0.0);
     // As long as a pixel is wide, and half as long as it is deep: what lies between becomes roughness.
-    float pixel = t * 2.0 * length(light.up) / light.size.y;
+    float pixel = t * pixel_angle();
     float variance;
     float footprint = pixel / sqrt(max(grazing, 0.02));
     vec3 slopes = wave_slopes(ray * t, up, footprint, variance);

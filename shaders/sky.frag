@@ -21,7 +21,7 @@ const float GLARE = 1.7e-6;
 // The sun's disc, darker towards its limb and redder (Hestroffer and Magnan 1998); its edge as wide as a pixel.
 vec3 sun_disc(vec3 ray) {
     vec3 chord = ray - light.sun;
-    float pixel = 2.0 * length(light.up) / light.size.y;
+    float pixel = pixel_angle();
     float radius = max(SUN_RADIUS, 0.5 * pixel), distance = length(chord);
     float seen = 1.0 - smoothstep(radius - 0.5 * pixel, radius + 0.5 * pixel, distance);
     if (seen <= 0.0) return vec3(0.0);

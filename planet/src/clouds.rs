@@ -4,7 +4,7 @@
 //! wound up around storms of the middle latitudes; wet belts along the equator and the storm tracks, dry ones between (Hadley
 //! circulation). Nothing here is part of a planet file.
 
-use crate::mip::halved;
+use crate::mip;
 use crate::recipe::{Clouds, Recipe};
 use crate::terrain::noise::mix;
 use crate::terrain::octaves::{Fractal, Warp};
@@ -69,7 +69,7 @@ pub fn cloud_map(recipe: &Recipe, clouds: &Clouds, side: usize) -> Vec<CloudLeve
     let clear = ((1.0 - clouds.cover) * (sorted.len() - 1) as f64) as usize;
     let (_, &mut edge, _) = sorted.select_nth_unstable_by(clear, f32::total_cmp);
     texels.iter_mut().for_each(|x| *x = (CLOUD_EDGE + CONTRAST * (*x - edge)).clamp(0.0, 1.0));
-    let mut levels = levels(texels.into_iter().map(|x| [x]).collect(), side);
+    let mut levels = mip::levels(texels.into_iter().map(|x| [x]).collect(), side);
     for (power, level) in levels.iter_mut().enumerate() {
         share_edges(level, side >> power);
     }
@@ -108,16 +108,7 @@ pub fn cloud_detail(seed: u64) -> Vec<CloudLevel> {
     let mean = heights.iter().map(|h| h[0]).sum::<f32>() / count;
     let deviation = (heights.iter().map(|h| (h[0] - mean) * (h[0] - mean)).sum::<f32>() / count).sqrt();
     heights.iter_mut().for_each(|h| h[0] = (h[0] - mean) / deviation);
-    levels(heights, DETAIL_SIDE)
-}
-
-fn levels(finest: CloudLevel, side: usize) -> Vec<CloudLevel> {
-    let mut levels = vec![finest];
-    for power in (1..=side.ilog2()).rev() {
-        let finer = levels.last().map_or(&[][..], |level| level.as_slice());
-        levels.push(halved(finer, 1 << power));
-    }
-    levels
+    mip::levels(heights, DETAIL_SIDE)
 }
 
 /// Distance from a texel to the nearest of the centres, one in each cell of a periodic grid, in cells (Worley 1996).

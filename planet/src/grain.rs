@@ -3,7 +3,7 @@
 //!
 //! Out: mip levels of [`GRAIN_SIDE`]² texels, in which both average out to nothing.
 
-use crate::mip::halved;
+use crate::mip;
 use crate::verify::random_views::Random;
 
 /// Texels along a side.
@@ -80,12 +80,7 @@ fn levels(heights: &[f32], brightness: &[f32]) -> Vec<GrainLevel> {
     let mut level: GrainLevel = (0..side * side).map(texel).collect();
     normalise(&mut level, &[0, 1]);
     normalise(&mut level, &[2]);
-    let mut levels = vec![level];
-    for power in (1..=GRAIN_SIDE.ilog2()).rev() {
-        let finer = levels.last().map_or(&[][..], |level| level.as_slice());
-        levels.push(halved(finer, 1 << power));
-    }
-    levels
+    mip::levels(level, side)
 }
 
 /// Takes the mean from channels and scales them to a mean square of 1 together.

@@ -73,7 +73,7 @@ float distance_to_clouds(vec3 ray) {
 
 // Cosine between a view ray and the vertical where it meets the sheet, and the width of a pixel there.
 float slant(vec3 ray, vec3 up) { return max(abs(dot(ray, up)), 0.1); }
-float pixel_on_clouds(float distance, float cosine) { return distance * 2.0 * length(light.up) / light.size.y * inversesqrt(cosine); }
+float pixel_on_clouds(float distance, float cosine) { return distance * pixel_angle() * inversesqrt(cosine); }
 
 // Share of the light of stars that the clouds let through along a view ray.
 float starlight_through_clouds(vec3 ray) {

@@ -50,6 +50,9 @@ vec3 view_ray(vec2 uv) {
     return light.forward + light.right * screen.x - light.up * screen.y;
 }
 
+// Width of a pixel at a metre along the view axis, in metres.
+float pixel_angle() { return 2.0 * length(light.up) / light.size.y; }
+
 // Where a place of the picture lies in the window; both from -1 to 1, y down.
 vec2 in_window(vec2 screen) {
     return ((screen * 0.5 + 0.5) * light.size - light.window.xy) / light.window.zw * 2.0 - 1.0;

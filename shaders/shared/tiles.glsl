@@ -28,7 +28,7 @@ int next_axis(inout uint axes) {
     return axis;
 }
 
-// How many of three tiles a pixel resolves to within a sixty-fourth or so: those whose level of detail, coarsest tile first, is below a limit.
+// How many of three tiles a pixel resolves something of: those whose level of detail, coarsest tile first, is below a limit.
 int resolved_tiles(vec3 lods, float limit) { return int(dot(vec3(lessThan(lods, vec3(limit))), vec3(1.0))); }
 
 // A place relative to the camera in periods of REPEAT_M, exact near the camera.

@@ -17,14 +17,15 @@ pub struct CloudMaps {
 }
 
 impl CloudMaps {
-    /// Computes and uploads the maps.
-    pub(super) fn new(context: &Arc<Context>, recipe: &Recipe) -> Result<CloudMaps> {
+    /// Computes and uploads the maps; none for scenes that are not `drawn`, only measured.
+    pub(super) fn new(context: &Arc<Context>, recipe: &Recipe, drawn: bool) -> Result<CloudMaps> {
         let empty = || vec![vec![[0.0f32]]];
-        let (levels, detail) = match &recipe.clouds {
+        let clouds = recipe.clouds.as_ref().filter(|_| drawn);
+        let (levels, detail) = match clouds {
             Some(clouds) => (cloud_map(recipe, clouds, CLOUD_SIDE), cloud_detail(recipe.seed)),
             None => (empty(), empty()),
         };
-        let (side, detail_side) = if recipe.clouds.is_some() { (CLOUD_SIDE, DETAIL_SIDE) } else { (1, 1) };
+        let (side, detail_side) = if clouds.is_some() { (CLOUD_SIDE, DETAIL_SIDE) } else { (1, 1) };
         let image = |name, side: usize, format| {
             let plain = ImageDescription::new(name, (side as u32, side as u32), format, vk::ImageUsageFlags::SAMPLED);
             Image::new(context, &ImageDescription { mips: side.ilog2() + 1, ..plain })

@@ -127,7 +127,6 @@ impl Scene {
             Budget::new(&options, planet.cells, most_patches, context.limits().max_image_array_layers);
         let layers = if options.textures { capacity } else { 1 };
         let textures = TexturePool::new(context, planet.cells, layers)?;
-        let clouds = CloudMaps::new(context, &planet.recipe)?;
         let tally = Arc::new(Tally::default());
         let (grids, sun) = (Arc::new(WideGrids::default()), Arc::new(RwLock::new(Sun::default())));
         let loader = Loader::new(under_way, || {
@@ -146,6 +145,9 @@ impl Scene {
                 sun: sun.clone(),
             })
         })?;
+        // The workers read the first patches while the clouds are made.
+        loader.request(PatchId::roots().map(|id| (id, Wish::Patch, 0.0)).collect());
+        let clouds = CloudMaps::new(context, &planet.recipe, options.textures)?;
         let mut scene = Scene {
             context: context.clone(),
             ground: DrawnGround::new(KnownGround::new(planet.lattice, planet.cells)),
@@ -164,7 +166,6 @@ impl Scene {
             settled: false,
             full_at: None,
         };
-        scene.loader.request(PatchId::roots().map(|id| (id, Wish::Patch, 0.0)).collect());
         while scene.resident.len() < 6 {
             let arrived = scene.loader.wait(Duration::from_secs(60))?;
             scene.upload(arrived)?;

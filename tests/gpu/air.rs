@@ -1,7 +1,7 @@
 //! The air of pictures against brute force in f64, from 2 m to 100,000 km, by the difference that a viewer could see: in 8-bit steps
 //! after the tonemap.
 
-use crate::harness::{device, large_planet_file, planet_file};
+use crate::harness::{device, large_planet_file, pixel_ray, planet_file};
 use glam::DVec3;
 use std::path::Path;
 use terrane::frame::{sun_over, Look, DAYLIGHT};
@@ -105,13 +105,6 @@ impl Picture {
         (0..SAMPLES).map(move |k| (k * pixels + pixels / 2) / SAMPLES + k * 17 % SIZE[0] as usize).map(move |k| k % pixels)
     }
 
-    fn ray(&self, pixel: usize) -> DVec3 {
-        let (h, v) = self.camera.half_extents();
-        let x = (2.0 * (pixel as u32 % SIZE[0]) as f64 + 1.0) / f64::from(SIZE[0]) - 1.0;
-        let y = 1.0 - (2.0 * (pixel as u32 / SIZE[0]) as f64 + 1.0) / f64::from(SIZE[1]);
-        self.camera.forward + self.camera.right() * (h * x) + self.camera.up * (v * y)
-    }
-
     /// Metres along a unit ray to what a pixel shows.
     fn distance(&self, pixel: usize, ray: DVec3, stretch: f64) -> f64 {
         let depth = f64::from(self.depth[pixel]);
@@ -129,7 +122,7 @@ impl Picture {
     /// The largest difference of a sampled pixel from brute force in 8-bit steps, where it is, and both colours.
     fn largest_difference(&self, air: &Air) -> (f64, usize, [DVec3; 2]) {
         let differences = Picture::samples().filter_map(|pixel| {
-            let direction = self.ray(pixel);
+            let direction = pixel_ray(&self.camera, pixel);
             let ray = direction.normalize();
             let distance = self.distance(pixel, ray, direction.length());
             if distance.is_infinite() && ray.angle_between(self.sun) < 3.0 * SUN_RADIUS {

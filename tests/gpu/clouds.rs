@@ -1,6 +1,6 @@
 //! Clouds: where the map says, seen from all sides; in tiles as in whole pictures; and not in diagrams.
 
-use crate::harness::{cloudy_planet_file, device};
+use crate::harness::{cloudy_planet_file, device, pixel_ray};
 use glam::DVec3;
 use std::sync::Arc;
 use terrane::frame::{Look, DAYLIGHT};
@@ -50,10 +50,7 @@ impl Sky {
 
 /// Where a pixel's ray meets the sheet of clouds, as a direction from the planet's centre; none near its edge.
 fn cloud_place(camera: &Camera, pixel: usize) -> Option<DVec3> {
-    let (h, v) = camera.half_extents();
-    let x = (2.0 * (pixel as u32 % SIZE[0]) as f64 + 1.0) / f64::from(SIZE[0]) - 1.0;
-    let y = 1.0 - (2.0 * (pixel as u32 / SIZE[0]) as f64 + 1.0) / f64::from(SIZE[1]);
-    let ray = (camera.forward + camera.right() * (h * x) + camera.up * (v * y)).normalize();
+    let ray = pixel_ray(camera, pixel).normalize();
     let along = -camera.position.dot(ray);
     let aside = camera.position.cross(ray).length();
     let near = along - (CLOUDS * CLOUDS - aside * aside).sqrt();

@@ -1,7 +1,7 @@
 //! Pictures from where nobody stands: poles, face edges and corners, inside a mountain, the planet's centre, a million kilometres
 //! away. Every pixel is a number, shows ground where a ray meets the ground and as far away as that, and space is black.
 
-use crate::harness::{device, planet_file};
+use crate::harness::{device, pixel_ray, planet_file};
 use glam::{DVec3, IVec3};
 use terrane::frame::{sun_over, Look, DAYLIGHT};
 use terrane::headless::Headless;
@@ -83,13 +83,9 @@ impl Studio {
     /// Shares of the pixels that show ground, that do not agree with rays on whether there is ground, and of those with ground for rays and
     /// picture alike, that agree on its distance.
     fn agreement(&self, camera: &Camera, shown: &Shown) -> [f64; 3] {
-        let (h, v) = camera.half_extents();
         let (mut ground, mut wrong, mut near, mut count) = (0.0, 0.0, 0.0, 0.0);
         for (k, &distance) in shown.distances.iter().enumerate().step_by(7) {
-            let (column, row) = (k as u32 % SIZE[0], k as u32 / SIZE[0]);
-            let x = (2.0 * f64::from(column) + 1.0) / f64::from(SIZE[0]) - 1.0;
-            let y = 1.0 - (2.0 * f64::from(row) + 1.0) / f64::from(SIZE[1]);
-            let ray = camera.forward + camera.right() * (h * x) + camera.up * (v * y);
+            let ray = pixel_ray(camera, k);
             let hit = self.scene.ground().known.raycast(camera.position, ray).map(|hit| hit.distance / ray.length());
             count += 1.0;
             ground += f64::from(u8::from(distance.is_finite()));

@@ -12,6 +12,7 @@ use terrane_planet::bake::{bake, BakePlan, Region};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::store::PlanetFile;
+use terrane_planet::view::Camera;
 
 /// One device at a time: several software devices at once only slow each other down.
 static DEVICE: Mutex<()> = Mutex::new(());
@@ -92,6 +93,15 @@ pub(crate) fn cloudy_planet_file() -> &'static Path {
 pub(crate) fn large_planet_file() -> &'static Path {
     static FILE: OnceLock<(tempfile::TempDir, PathBuf)> = OnceLock::new();
     &FILE.get_or_init(|| baked("terra", "", 0, None)).1
+}
+
+/// Ray through the centre of a pixel, its length per unit of distance along the view axis.
+pub(crate) fn pixel_ray(camera: &Camera, pixel: usize) -> DVec3 {
+    let [width, height] = camera.size;
+    let (h, v) = camera.half_extents();
+    let x = (2.0 * f64::from(pixel as u32 % width) + 1.0) / f64::from(width) - 1.0;
+    let y = 1.0 - (2.0 * f64::from(pixel as u32 / width) + 1.0) / f64::from(height);
+    camera.forward + camera.right() * (h * x) + camera.up * (v * y)
 }
 
 /// Everything that draws and checks the tiny planet.
