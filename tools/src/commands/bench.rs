@@ -5,7 +5,7 @@ mod percentiles;
 mod savings;
 
 use super::paths::load_path;
-use super::viewing::{Exposure, camera_over, picture_size, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{camera_over, picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};

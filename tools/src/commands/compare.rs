@@ -101,7 +101,8 @@ impl Compare {
             for ((path, stands), equal) in paths.iter().flat_map(|path| Equal::ALL.map(|equal| (path, equal))) {
                 let mut progress = |m: &Measured| {
                     let (frames, name) = (m.in_view.len(), equal.name());
-                    let found = format!("{name} {:.3} px at {:.3}, {:.0} triangles in view", m.error(equal), m.knob, m.mean_in_view());
+                    let found =
+                        format!("{name} {:.3} px at {:.3}, {:.0} triangles in view", m.error(equal), m.knob, m.mean_in_view());
                     eprintln!("{:.0} s: {path}, {frames} frames, {} ({}): {found}", seconds(begun), m.family, m.variant);
                 };
                 let measured = best(setting, stands, &methods, (equal, self.error), &mut progress)?;
@@ -113,7 +114,8 @@ impl Compare {
     }
 
     fn report(&self, paths: &[(String, Vec<Stand>)], rows: &[Row], begun: Instant) -> Value {
-        let probes: serde_json::Map<_, _> = paths.iter().map(|(name, stands)| (name.clone(), count_probes(stands).into())).collect();
+        let probes: serde_json::Map<_, _> =
+            paths.iter().map(|(name, stands)| (name.clone(), count_probes(stands).into())).collect();
         json!({
             "planet": self.file, "frames": self.frames, "size": self.size, "target_px": self.error, "probes": probes,
             "commit": env!("TERRANE_COMMIT"), "version": env!("CARGO_PKG_VERSION"), "seconds": seconds(begun),

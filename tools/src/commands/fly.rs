@@ -1,6 +1,6 @@
 //! `terrane fly`: the planet in a window.
 
-use super::viewing::{Exposure, report_messages, CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{report_messages, CameraOptions, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use std::path::{Path, PathBuf};

@@ -104,7 +104,8 @@ impl Run for Gallery {
 
 impl Gallery {
     fn load(&self) -> anyhow::Result<Vec<Entry>> {
-        let text = std::fs::read_to_string(&self.list).with_context(|| format!("cannot read the list {}", self.list.display()))?;
+        let text =
+            std::fs::read_to_string(&self.list).with_context(|| format!("cannot read the list {}", self.list.display()))?;
         let list: List = toml::from_str(&text).with_context(|| format!("{}: not a list of pictures", self.list.display()))?;
         let mut names = HashSet::new();
         for entry in &list.picture {
@@ -152,7 +153,9 @@ impl Gallery {
 
     /// The page with all pictures that are there.
     fn page(&self, list: &[Entry]) -> anyhow::Result<String> {
-        let mut page = "# Gallery\n\nEvery picture is what its command draws. `terrane gallery` makes all of them, and this page.\n".to_owned();
+        let mut page =
+            "# Gallery\n\nEvery picture is what its command draws. `terrane gallery` makes all of them, and this page.\n"
+                .to_owned();
         for entry in list.iter().filter(|entry| self.jpeg(entry).exists()) {
             let Entry { name, caption, .. } = entry;
             write!(page, "\n![{caption}]({name}.jpg)\n\n{caption}\n\n```sh\n")?;

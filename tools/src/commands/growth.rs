@@ -73,7 +73,11 @@ impl Point {
 impl Run for Growth {
     fn run(self) -> anyhow::Result<Outcome> {
         let (least, most) = TOLERANCE_RANGE;
-        ensure!((least..=most).contains(&self.camera.error), "--error: {} is not within {least} and {most} pixels", self.camera.error);
+        ensure!(
+            (least..=most).contains(&self.camera.error),
+            "--error: {} is not within {least} and {most} pixels",
+            self.camera.error
+        );
         ensure!(
             (least..self.camera.error).contains(&self.finest),
             "--finest: {} is not within {least} and less than --error, {}",
@@ -126,7 +130,10 @@ fn point(tolerance: f64, costs: &[FrameCost]) -> anyhow::Result<Point> {
 
 fn print(points: &[Point], fit: &Fit) {
     let [a, b, c] = [0, 1, 2].map(|k| format!("{} ms", STAGES[k]));
-    println!("{:>9} {:>10} {:>10} {:>11} {:>10} {a:>10} {b:>10} {c:>10} {:>9}", "error px", "awake", "prefix", "candidates", "drawn", "ns/awake");
+    println!(
+        "{:>9} {:>10} {:>10} {:>11} {:>10} {a:>10} {b:>10} {c:>10} {:>9}",
+        "error px", "awake", "prefix", "candidates", "drawn", "ns/awake"
+    );
     for p in points {
         let FrameCost { awake, prefix_vertices, candidate_triangles, triangles, .. } = p.cost;
         let [a, b, c] = p.stages;
@@ -136,7 +143,12 @@ fn print(points: &[Point], fit: &Fit) {
             p.tolerance
         );
     }
-    println!("over a factor of {:.0} in awake vertices the three stages together take {:.3} ms + {:.1} ns for each", fit.factor, fit.constant_ms, 1e6 * fit.ms_each);
+    println!(
+        "over a factor of {:.0} in awake vertices the three stages together take {:.3} ms + {:.1} ns for each",
+        fit.factor,
+        fit.constant_ms,
+        1e6 * fit.ms_each
+    );
     println!("largest deviation {:.1} %; exponent {:.3} (1 is linear)", 100.0 * fit.deviation, fit.exponent);
 }
 

@@ -1,11 +1,27 @@
-//! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], and one line here.
+//! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], its `mod` line, and one line in
+//! `commands!`.
 
+mod bake;
+mod bench;
 mod building;
+mod compare;
+mod edit;
 mod film;
+mod fly;
+mod gallery;
+mod gpus;
+mod growth;
+mod info;
+mod mesh;
 mod paths;
 mod pictures;
 mod radiance;
+mod record;
+mod shot;
+mod simplify;
 mod still;
+mod study;
+mod verify;
 mod viewing;
 
 use crate::Outcome;
@@ -18,8 +34,6 @@ pub(crate) trait Run {
 
 macro_rules! commands {
     ($($file:ident => $name:ident),* $(,)?) => {
-        $(mod $file;)*
-
         /// All subcommands; their help is that of their argument structs.
         #[derive(clap::Subcommand)]
         pub(crate) enum Command {

@@ -1,9 +1,9 @@
 //! `terrane shot`: one still picture.
 
-use super::viewing::{Exposure, CameraOptions, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::building::Report;
 use super::radiance::{write_exr, Taken};
 use super::still::{format_of, StillArguments};
+use super::viewing::{CameraOptions, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
@@ -63,7 +63,11 @@ impl Run for Shot {
         let mut studio = Studio::new(&context, camera.size, self.still.options(format))?;
         let settled = Instant::now();
         let report = Report::counting("picture", "tiles");
-        let show = |done, tiles| if tiles > 1 { report.step(done, tiles, settled.elapsed()) };
+        let show = |done, tiles| {
+            if tiles > 1 {
+                report.step(done, tiles, settled.elapsed())
+            }
+        };
         let still = studio.draw(&scene, &view, &cut, &look, &show)?;
         report.finish();
         let frame_ms = settled.elapsed().as_secs_f64() * 1e3;

@@ -81,7 +81,10 @@ impl Run for Simplify {
         let scale = self.scale(&image)?;
         let filled = image.field.fill_gaps();
         if filled > 0 {
-            eprintln!("terrane: filled {filled} of {} samples, which hold no data, from their surroundings", image.field.heights().len());
+            eprintln!(
+                "terrane: filled {filled} of {} samples, which hold no data, from their surroundings",
+                image.field.heights().len()
+            );
         }
         let begun = Instant::now();
         let mut levels = simplified(&image.field, self.cost.cost())?;
@@ -186,7 +189,10 @@ impl Simplify {
         let seconds = begun.elapsed().as_secs_f64();
         if !self.json {
             let megabytes = bytes.len() as f64 / 1e6;
-            println!("{}: {faces} triangles, {vertices} vertices, error up to {max:.3} m, {rms:.3} m rms, {megabytes:.1} MB", path.display());
+            println!(
+                "{}: {faces} triangles, {vertices} vertices, error up to {max:.3} m, {rms:.3} m rms, {megabytes:.1} MB",
+                path.display()
+            );
         }
         Ok(json!({
             "faces": faces, "vertices": vertices, "max_error": max, "rms_error": rms, "uncovered": deviation.uncovered,
@@ -194,7 +200,14 @@ impl Simplify {
         }))
     }
 
-    fn summary(&self, image: &Imported, scale: DVec3, filled: usize, seconds: f64, levels: Vec<serde_json::Value>) -> serde_json::Value {
+    fn summary(
+        &self,
+        image: &Imported,
+        scale: DVec3,
+        filled: usize,
+        seconds: f64,
+        levels: Vec<serde_json::Value>,
+    ) -> serde_json::Value {
         let bounds = image.place.map(|place| {
             let (south, east) = (place.south(image.field.rows()), place.east(image.field.columns()));
             json!({ "west": place.west, "south": south, "east": east, "north": place.north })

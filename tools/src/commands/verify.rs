@@ -189,10 +189,7 @@ fn print(r: &VerifyReport, errors: &ScreenErrors, seconds: f64) {
     println!("{} views in {seconds:.0} s", r.views);
     println!("{} patches, {} triangles, at most {} in a view", r.patches, r.triangles, r.most_triangles);
     println!("{} cracks, {} differences between GPU and CPU", r.cracks, r.mismatches.total());
-    for (where_, faults) in [
-        ("everywhere else", r.faults),
-        ("at the rim of the data", r.faults_at_data_rim),
-    ] {
+    for (where_, faults) in [("everywhere else", r.faults), ("at the rim of the data", r.faults_at_data_rim)] {
         let (flipped, degenerate, closure) = (faults.flipped, faults.degenerate, faults.closure_violations);
         println!("  {where_}: {flipped} flipped, {degenerate} without area, {closure} breaches of closure");
     }
@@ -201,10 +198,7 @@ fn print(r: &VerifyReport, errors: &ScreenErrors, seconds: f64) {
         let [p50, p99, p999] = [0.5, 0.99, 0.999].map(|share| readings.percentile(share));
         println!("screen error at {} px, {} views, {} readings, {missed} missed:", t.tolerance, t.views, readings.count());
         println!("  p50 {p50:.3}, p99 {p99:.3}, p99.9 {p999:.3}, max {:.3} px ({:.3} of it)", readings.max(), t.share());
-        println!(
-            "  at the rim of the data max {:.3} px",
-            at_data_rim.max(),
-        );
+        println!("  at the rim of the data max {:.3} px", at_data_rim.max(),);
     }
 }
 

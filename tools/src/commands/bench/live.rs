@@ -33,7 +33,13 @@ pub(super) struct Flight {
 
 impl Bench {
     /// Flies along the path, then stays at its end until nothing is missing.
-    pub(super) fn fly(&self, context: &Arc<Context>, scene: &mut Scene, headless: &mut Headless, path: &CameraPath) -> anyhow::Result<Flight> {
+    pub(super) fn fly(
+        &self,
+        context: &Arc<Context>,
+        scene: &mut Scene,
+        headless: &mut Headless,
+        path: &CameraPath,
+    ) -> anyhow::Result<Flight> {
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
         let planet = scene.shared_planet();
@@ -99,7 +105,10 @@ impl Flight {
         println!("patches built          {:>8}   {:.1} a second, {:.0} ms each", self.built, self.rate(), self.build_ms());
         println!("patches read           {:>8}", self.read);
         println!("frames until settled   {:>8}   after the end of the path", self.at_end.len());
-        println!("frame ms, median       {median:>8.1}   p95 {p95:.1}, worst {worst:.1} ({:.1} times the median)", worst / median);
+        println!(
+            "frame ms, median       {median:>8.1}   p95 {p95:.1}, worst {worst:.1} ({:.1} times the median)",
+            worst / median
+        );
         for (name, (peak, most)) in ["GPU", "host"].iter().zip(self.bytes) {
             println!("{:<22} {:>8.0}   of {:.0}", format!("{name} MB of patches"), megabytes(peak), megabytes(most));
         }

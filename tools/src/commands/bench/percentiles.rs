@@ -32,11 +32,17 @@ fn quantities() -> Vec<Quantity> {
         digits,
         value: Box::new(move |c| Some(value(c))),
     };
-    let stage =
-        |(k, name): (usize, &&str)| Quantity { name: format!("gpu {name} ms"), digits: 3, value: Box::new(move |c| c.stages_ms[k]) };
+    let stage = |(k, name): (usize, &&str)| Quantity {
+        name: format!("gpu {name} ms"),
+        digits: 3,
+        value: Box::new(move |c| c.stages_ms[k]),
+    };
     let share = |c: &FrameCost| Some(100.0 * c.mesh_ms()? / c.frame_ms);
-    let mut all =
-        vec![sure("cpu cut ms", 3, |c| c.cut_ms), sure("cpu tables ms", 3, |c| c.tables_ms), sure("cpu record ms", 3, |c| c.record_ms)];
+    let mut all = vec![
+        sure("cpu cut ms", 3, |c| c.cut_ms),
+        sure("cpu tables ms", 3, |c| c.tables_ms),
+        sure("cpu record ms", 3, |c| c.record_ms),
+    ];
     all.extend(STAGES.iter().enumerate().map(stage));
     all.extend([
         sure("gpu wall ms", 3, |c| c.gpu_wall_ms),

@@ -61,5 +61,10 @@ pub(super) fn report(costs: &[Vec<FrameCost>]) -> Value {
         };
         QUANTITIES.iter().map(entry).collect::<serde_json::Map<_, _>>().into()
     };
-    VARIANTS.iter().zip(costs).map(|((name, _), frames)| ((*name).to_owned(), of(frames))).collect::<serde_json::Map<_, _>>().into()
+    VARIANTS
+        .iter()
+        .zip(costs)
+        .map(|((name, _), frames)| ((*name).to_owned(), of(frames)))
+        .collect::<serde_json::Map<_, _>>()
+        .into()
 }

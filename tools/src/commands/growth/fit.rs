@@ -48,7 +48,10 @@ mod tests {
     fn lines_are_found_and_curves_deviate() {
         let counts = [10.0, 100.0, 1e3, 1e4, 1e5];
         let line = fit(&counts.map(|n| [n, 0.25 + 3e-4 * n])).unwrap();
-        assert!((line.constant_ms - 0.25).abs() < 1e-9 && (line.ms_each - 3e-4).abs() < 1e-12 && line.deviation < 1e-9, "{line:?}");
+        assert!(
+            (line.constant_ms - 0.25).abs() < 1e-9 && (line.ms_each - 3e-4).abs() < 1e-12 && line.deviation < 1e-9,
+            "{line:?}"
+        );
         assert!((line.factor - 1e4).abs() < 1e-6);
         let square = fit(&counts.map(|n| [n, 1e-6 * n * n])).unwrap();
         assert!((square.exponent - 2.0).abs() < 1e-9 && square.deviation > 0.5, "{square:?}");
