@@ -2,9 +2,10 @@
 //!
 //! In: any bytes. Out: nothing; a panic, a leak or too much memory is the finding.
 
-use terrane_planet::heightfield::import::{self, MOST_SAMPLES};
-use terrane_planet::patch::PatchId;
-use terrane_planet::sphere::Face;
+use terrane_heightfield::import;
+use terrane_heightfield::import::MOST_SAMPLES;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::Face;
 use terrane_planet::store::record::{seal, RecordWriter};
 use terrane_planet::store::{geometry, imagery, RecordError};
 
@@ -107,7 +108,7 @@ pub fn geometry(bytes: &[u8]) {
 
 pub fn imagery(bytes: &[u8]) {
     let Some((id, cells)) = patch() else { return };
-    let texels = terrane_planet::texture::texture_side(cells).pow(2) as usize;
+    let texels = terrane_planet::ground::texture::texture_side(cells).pow(2) as usize;
     let decode = |record: &[u8]| imagery::decode(record, id, cells);
     for record in records(bytes, imagery::MAGIC, 0, &[texels; 6]) {
         if let Ok(texture) = decode(&record) {

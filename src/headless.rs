@@ -5,9 +5,9 @@ use crate::scene::{Scene, SceneError};
 use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps, VulkanError};
 use std::sync::Arc;
 use std::time::Instant;
-use terrane_planet::layout::{DrawnVertex, EmitState, Shading};
-use terrane_planet::reference::cut::Cut;
-use terrane_planet::view::View;
+use terrane_planet::draw::cut::Cut;
+use terrane_planet::draw::layout::{DrawnVertex, EmitState, Shading};
+use terrane_planet::draw::view::View;
 
 /// Format of pictures: UNORM, encoded by the tonemap shader.
 pub const PICTURE_FORMAT: vk::Format = vk::Format::R8G8B8A8_UNORM;
@@ -43,7 +43,7 @@ pub struct Selection {
     pub resolved: Vec<u32>,
     /// Where every vertex is drawn, at the same offsets.
     pub places: Vec<DrawnVertex>,
-    /// Emitted triangles in no order: patch number above [`VERTEX_BITS`](terrane_planet::layout::VERTEX_BITS), vertex below.
+    /// Emitted triangles in no order: patch number above [`VERTEX_BITS`](terrane_planet::draw::layout::VERTEX_BITS), vertex below.
     pub triangles: Vec<[u32; 3]>,
 }
 
@@ -147,7 +147,7 @@ impl Headless {
         Ok(capture(&self.context, &self.renderer.targets.water, (0, 0), Access::Sampled)?.to_f32()?)
     }
 
-    /// Height above the sea in metres, up to [`SHORE_RANGE`](terrane_planet::texture::SHORE_RANGE), of the ground in the latest
+    /// Height above the sea in metres, up to [`SHORE_RANGE`](terrane_planet::ground::texture::SHORE_RANGE), of the ground in the latest
     /// picture; row by row.
     pub fn shore(&self) -> Result<Vec<f32>, SceneError> {
         let ground = capture(&self.context, &self.renderer.targets.ground, (0, 0), Access::Sampled)?.to_f32()?;

@@ -8,11 +8,12 @@ use common::{device, terrane, text};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use std::sync::OnceLock;
-use terrane_planet::bake::{bake, BakePlan, Region};
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::sphere::direction_at;
+use terrane_planet::store::Region;
 use terrane_planet::store::{BakedPatch, PlanetFile};
 
 /// Width and height of the pictures.

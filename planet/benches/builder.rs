@@ -6,15 +6,15 @@
 use glam::DVec3;
 use std::path::Path;
 use std::time::Instant;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::ground::HeightGrid;
-use terrane_planet::patch::PatchId;
+use terrane_planet::mesh::border_rules::BorderRules;
+use terrane_planet::mesh::builder::{build, Hierarchy};
+use terrane_planet::mesh::certificate::KAPPA_BUILD;
+use terrane_planet::mesh::surface::Surface;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::simplify::border_rules::BorderRules;
-use terrane_planet::simplify::builder::{build, Hierarchy};
-use terrane_planet::simplify::surface::Surface;
-use terrane_planet::sphere::direction_at;
-use terrane_planet::KAPPA_BUILD;
 
 const CELLS: u32 = 128;
 

@@ -4,10 +4,10 @@ mod common;
 
 use common::{patches, planet, LEVELS};
 use criterion::{criterion_group, criterion_main, Criterion};
+use terrane_planet::ground::texture::PatchTexture;
 use terrane_planet::ground::HeightGrid;
-use terrane_planet::progressive::PatchMesh;
+use terrane_planet::mesh::progressive::PatchMesh;
 use terrane_planet::store::BakedPatch;
-use terrane_planet::texture::PatchTexture;
 
 fn parts(criterion: &mut Criterion) {
     for name in ["terra", "luna"] {

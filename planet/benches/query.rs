@@ -6,12 +6,12 @@
 use criterion::{criterion_group, criterion_main, Criterion, Throughput};
 use glam::DVec3;
 use std::path::Path;
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::random::Random;
+use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::Planet;
 use terrane_planet::query::{KnownGround, PatchGrid};
 use terrane_planet::recipe::Recipe;
-use terrane_planet::sphere::direction_at;
-use terrane_planet::verify::random_views::Random;
 
 /// Finest level known, and queries a batch.
 const LEVEL: u8 = 17;

@@ -1,51 +1,19 @@
 //! Planets as per-patch progressive meshes: cube-sphere terrain, the progressive-mesh builder, the planet file and the
-//! CPU reference of everything the GPU does. Knows no Vulkan, no window and no GPU (DESIGN: invariant 7).
+//! CPU reference of everything the GPU does. Knows no Vulkan, no window and no GPU.
+//!
+//! Rooms in the order in which they may use one another, each only those above it: [`globe`], [`recipe`], [`ground`], [`terrain`],
+//! [`mesh`], [`store`], [`maps`], [`draw`], [`planet`], [`reference`](mod@reference), [`query`], [`verify`], [`export`].
 
-pub mod bake;
-pub mod border;
-pub mod camera_path;
-pub mod classic;
-pub mod clouds;
-pub mod edits;
+pub mod draw;
 pub mod export;
-pub mod grain;
+pub mod globe;
 pub mod ground;
-pub mod heightfield;
-pub mod horizon;
-pub mod lattice;
-pub mod layout;
-pub mod mip;
-pub mod orientation;
-pub mod patch;
+pub mod maps;
+pub mod mesh;
 pub mod planet;
-pub mod progressive;
 pub mod query;
-pub mod rays;
-mod recent;
 pub mod recipe;
 pub mod reference;
-pub mod simplify;
-pub mod sphere;
 pub mod store;
-pub mod sun;
 pub mod terrain;
-pub mod texture;
-pub mod tree;
 pub mod verify;
-pub mod view;
-pub mod wake;
-pub mod waves;
-
-/// Coarsest tolerance, in radians of screen error, at which the certificate holds (κ₀).
-pub const KAPPA: f64 = 0.003;
-
-/// Share of [`KAPPA`] kept for the deviation of a patch's own grid from the finer levels that replace it.
-pub const DEVIATION_SHARE: f64 = 0.4;
-
-/// How far all finer levels together may lie off a patch's grid, over how far the next one alone does, for bounds. (Measured over
-/// the shipped recipes: 1.0 to 1.6 on average, at most 2.7 below level 1.) A constant, so that what is known of a patch does not depend
-/// on what happens to be known below it.
-pub const DEVIATION_BELOW: f64 = 3.0;
-
-/// Radians of error per unit distance that wakes are built for: the rest of [`KAPPA`].
-pub const KAPPA_BUILD: f64 = (1.0 - DEVIATION_SHARE) * KAPPA;

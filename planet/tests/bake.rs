@@ -6,12 +6,13 @@ use glam::DVec3;
 use std::collections::HashSet;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use terrane_planet::bake::{bake, BakePlan, PlanError, Region};
-use terrane_planet::patch::{PatchId, Side};
+use terrane_planet::globe::patch::{PatchId, Side};
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::planet::bake::{bake, BakePlan, PlanError};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::sphere::direction_at;
 use terrane_planet::store::PlanetFile;
+use terrane_planet::store::Region;
 
 const RADIUS: f64 = 6_371_000.0;
 
@@ -108,7 +109,7 @@ fn threads_order_and_a_stop_do_not_change_bytes() {
         let path = folder.path().join(name);
         let mut file = PlanetFile::create_or_resume(&path, &planet.header()).unwrap();
         let stop = AtomicBool::new(false);
-        let progress = |p: terrane_planet::bake::Progress| {
+        let progress = |p: terrane_planet::planet::bake::Progress| {
             stop.fetch_or(p.built >= stop_at, Ordering::Relaxed);
         };
         let summary = bake(&mut file, &planet.terrain, &planet.terrain, plan, threads, &progress, &stop).unwrap();

@@ -3,12 +3,12 @@
 mod common;
 
 use common::TestField;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::ground::HeightGrid;
-use terrane_planet::patch::PatchId;
-use terrane_planet::simplify::border_rules::BorderRules;
-use terrane_planet::simplify::builder::{build, Faults, Hierarchy};
-use terrane_planet::simplify::surface::Surface;
-use terrane_planet::sphere::direction_at;
+use terrane_planet::mesh::border_rules::BorderRules;
+use terrane_planet::mesh::builder::{build, Faults, Hierarchy};
+use terrane_planet::mesh::surface::Surface;
 
 const KAPPA: f64 = 0.003;
 

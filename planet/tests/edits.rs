@@ -8,12 +8,13 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::OnceLock;
-use terrane_planet::bake::{bake, BakePlan, Region};
-use terrane_planet::edits::{add, finish, mean_height, undo, Changed, EditError};
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::{direction, place_of, ONE};
+use terrane_planet::planet::bake::{bake, BakePlan};
+use terrane_planet::planet::edits::{add, finish, mean_height, undo, Changed, EditError};
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::recipe::{Edit, Recipe, Shape};
-use terrane_planet::sphere::{direction, place_of, ONE};
+use terrane_planet::store::Region;
 use terrane_planet::store::{BakedPatch, PatchRecord, PlanetFile, StoreError};
 
 const CELLS: u32 = 8;
@@ -196,7 +197,7 @@ fn stopping_half_way_leaves_patches_of_two_grounds() {
     let planet = planet_of(&file);
     let changed = add(&mut file, &planet, edit_at(DVec3::X, 900.0, CRATER)).unwrap();
     let stop = AtomicBool::new(false);
-    let some = |p: terrane_planet::bake::Progress| stop.store(p.built >= 3, Ordering::Relaxed);
+    let some = |p: terrane_planet::planet::bake::Progress| stop.store(p.built >= 3, Ordering::Relaxed);
     let summary = finish(&mut file, &changed.planet, 1, &some, &stop).unwrap();
     assert!(summary.interrupted);
     let left = file.pending().unwrap();
@@ -304,7 +305,7 @@ fn a_place_is_flattened_to_another_height_than_its_mean() {
     let planet = Planet::from_recipe(tiny(), CELLS).unwrap();
     let mean = mean_height(&planet, 12.0, 34.0, 800.0);
     let around: Vec<f64> = [(12.0, 34.0), (12.5, 34.0), (12.0, 33.5), (11.3, 34.4)]
-        .map(|(lat, lon)| planet.terrain.height(terrane_planet::sphere::direction_at(lat, lon)))
+        .map(|(lat, lon)| planet.terrain.height(terrane_planet::globe::sphere::direction_at(lat, lon)))
         .to_vec();
     let (low, high) = around.iter().fold((f64::MAX, f64::MIN), |(l, h), &x| (l.min(x), h.max(x)));
     assert!((low - 200.0..high + 200.0).contains(&mean), "{mean} m, beside {around:?}");

@@ -6,18 +6,21 @@ use glam::{DVec3, IVec3};
 use std::collections::HashMap;
 use std::convert::Infallible;
 use std::path::Path;
-use terrane_planet::bake::{BakePlan, Region};
+use terrane_planet::draw::cut::{cut, is_visible};
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::draw::tree::{PatchFacts, PatchTree};
+use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::export::{origin_near, view_surface, ExportError, Format, Placed, Welded};
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::mesh::progressive::PatchMesh;
+use terrane_planet::planet::bake::BakePlan;
 use terrane_planet::planet::Planet;
-use terrane_planet::progressive::PatchMesh;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::reference::cut::{cut, is_visible};
-use terrane_planet::reference::{emit::emit, resolve::resolve, select::select};
-use terrane_planet::sphere::direction_at;
-use terrane_planet::tree::{PatchFacts, PatchTree};
-use terrane_planet::verify::LoadedPatch;
-use terrane_planet::view::{Camera, View};
+use terrane_planet::reference::emit::emit;
+use terrane_planet::reference::resolve::resolve;
+use terrane_planet::reference::select::select;
+use terrane_planet::store::Region;
 
 struct Tiny {
     planet: Planet,

@@ -9,18 +9,16 @@ mod whole_planet;
 
 use common::TestField;
 use glam::{DVec3, IVec3, Mat4, Vec3};
-use terrane_planet::patch::PatchId;
+use terrane_planet::draw::cut::{cut, is_visible};
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::{direction, ONE};
+use terrane_planet::query::rays::Ray;
 use terrane_planet::query::{KnownGround, PatchGrid};
-use terrane_planet::rays::Ray;
-use terrane_planet::reference::cut::{cut, is_visible};
-use terrane_planet::reference::{
-    emit::emit,
-    resolve::resolve,
-    select::{select, Selected},
-};
-use terrane_planet::sphere::{direction, ONE};
+use terrane_planet::reference::emit::emit;
+use terrane_planet::reference::resolve::resolve;
+use terrane_planet::reference::select::{select, Selected};
 use terrane_planet::verify::SurfaceCheck;
-use terrane_planet::view::{Camera, View};
 use whole_planet::{planet, Planet};
 
 const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };

@@ -6,9 +6,9 @@
 use glam::DVec3;
 use std::io::Cursor;
 use std::path::Path;
-use terrane_planet::heightfield::import::load;
+use terrane_heightfield::import::load;
+use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::recipe::{Asset, Recipe};
-use terrane_planet::sphere::direction_at;
 use terrane_planet::terrain::Terrain;
 use tiff::encoder::{colortype, TiffEncoder};
 use tiff::tags::Tag;

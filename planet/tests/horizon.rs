@@ -4,11 +4,11 @@
 
 use glam::DVec3;
 use std::path::Path;
-use terrane_planet::horizon::{HorizonMap, WideGrids};
-use terrane_planet::patch::{PatchId, Side};
+use terrane_planet::globe::patch::{PatchId, Side};
+use terrane_planet::globe::sphere::{direction, direction_at};
+use terrane_planet::ground::horizon::{HorizonMap, WideGrids};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::sphere::{direction, direction_at};
 
 const CELLS: u32 = 64;
 

@@ -8,12 +8,12 @@ use common::TestField;
 use glam::IVec3;
 use proptest::prelude::*;
 use std::collections::HashSet;
+use terrane_planet::draw::layout::PatchVertex;
+use terrane_planet::globe::patch::{PatchId, Side};
+use terrane_planet::globe::sphere::Face;
 use terrane_planet::ground::HeightGrid;
-use terrane_planet::layout::PatchVertex;
-use terrane_planet::patch::{PatchId, Side};
-use terrane_planet::progressive::PatchMesh;
-use terrane_planet::simplify::border_rules::vertex_on_side;
-use terrane_planet::sphere::Face;
+use terrane_planet::mesh::border_rules::vertex_on_side;
+use terrane_planet::mesh::progressive::PatchMesh;
 
 const CELLS: u32 = 16;
 

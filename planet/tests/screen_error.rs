@@ -6,17 +6,15 @@ mod whole_planet;
 
 use common::TestField;
 use std::collections::HashMap;
-use terrane_planet::layout::PatchVertex;
-use terrane_planet::patch::PatchId;
-use terrane_planet::progressive::PatchMesh;
-use terrane_planet::reference::cut::{cut, cut_by, urgency, Cut};
-use terrane_planet::reference::{
-    emit::emit,
-    resolve::resolve,
-    select::{select, Selected},
-};
+use terrane_planet::draw::cut::{cut, cut_by, urgency, Cut};
+use terrane_planet::draw::layout::PatchVertex;
+use terrane_planet::draw::view::View;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::mesh::progressive::PatchMesh;
+use terrane_planet::reference::emit::emit;
+use terrane_planet::reference::resolve::resolve;
+use terrane_planet::reference::select::{select, Selected};
 use terrane_planet::verify::{measure, Drawn, Effort, FinestSurface, GridCache, Probe, ScreenError};
-use terrane_planet::view::View;
 use whole_planet::{planet, views, Planet};
 
 const EFFORT: Effort = Effort { pixels: 1024, finer_samples: 4096, seed: 11 };

@@ -4,11 +4,11 @@
 
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use terrane_planet::bake::{bake, BakePlan, BakeSummary};
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::mesh::builder::Faults;
+use terrane_planet::planet::bake::{bake, BakePlan, BakeSummary};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::simplify::builder::Faults;
 use terrane_planet::store::{geometry, imagery, BakedPatch, PlanetFile, RecordError, StoreError, FORMAT_VERSION};
 
 const CELLS: u32 = 16;

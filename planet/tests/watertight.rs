@@ -6,10 +6,10 @@ mod whole_planet;
 
 use common::TestField;
 use std::collections::HashMap;
-use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::cut;
+use terrane_planet::draw::cut::cut;
+use terrane_planet::draw::view::View;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::verify::SurfaceReport;
-use terrane_planet::view::View;
 use whole_planet::{draw, planet, views, Planet};
 
 #[test]
@@ -91,7 +91,7 @@ fn neighbours_differ_by_one_level_at_most() {
     for view in views(&planet, &field, 30) {
         let leaves: HashMap<PatchId, ()> = cut(&planet.tree, &view, &|_| true).leaves.iter().map(|l| (l.id, ())).collect();
         for &id in leaves.keys() {
-            for side in terrane_planet::patch::Side::ALL {
+            for side in terrane_planet::globe::patch::Side::ALL {
                 let mut other = Some(id.neighbour(side));
                 let found = std::iter::from_fn(|| {
                     let now = other;

@@ -7,15 +7,13 @@ mod common;
 mod whole_planet;
 
 use common::TestField;
-use terrane_planet::reference::cut::{cut, is_visible, Leaf};
-use terrane_planet::reference::work::Work;
-use terrane_planet::reference::{
-    emit::emit,
-    resolve::resolve,
-    select::{select, Selected},
-};
-use terrane_planet::verify::LoadedPatch;
-use terrane_planet::view::View;
+use terrane_planet::draw::cut::{cut, is_visible, Leaf};
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::draw::view::View;
+use terrane_planet::draw::work::Work;
+use terrane_planet::reference::emit::emit;
+use terrane_planet::reference::resolve::resolve;
+use terrane_planet::reference::select::{select, Selected};
 use whole_planet::{planet, views, Planet};
 
 const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };

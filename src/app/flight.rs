@@ -11,8 +11,8 @@ use crate::vulkan::{capture, vk, Access, Commands, Context, Image, ImageDescript
 use glam::DQuat;
 use std::sync::Arc;
 use std::time::Instant;
-use terrane_planet::layout::{EmitState, Mode};
-use terrane_planet::view::View;
+use terrane_planet::draw::layout::{EmitState, Mode};
+use terrane_planet::draw::view::View;
 use winit::window::Window;
 
 /// Longest time in seconds that one frame moves the viewer on by, however long it took.

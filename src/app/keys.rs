@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use std::collections::HashSet;
-use terrane_planet::layout::Mode;
+use terrane_planet::draw::layout::Mode;
 use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
 
 /// The help, as the overlay shows it.

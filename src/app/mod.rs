@@ -23,7 +23,7 @@ use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surface::DrawnSurface;
-use terrane_planet::view::Camera;
+use terrane_planet::draw::view::Camera;
 use thiserror::Error;
 use viewer::Button;
 use winit::application::ApplicationHandler;
@@ -79,7 +79,7 @@ pub struct FlyOptions {
     pub tolerance: f64,
     /// Whether vertices slide into their places.
     pub geomorphs: bool,
-    /// Whether errors count as they are seen, see [`terrane_planet::orientation`].
+    /// Whether errors count as they are seen, see [`terrane_planet::draw::orientation`].
     pub orientation: bool,
     /// What the scene may use and build.
     pub scene: SceneOptions,

@@ -3,7 +3,7 @@
 use super::keys::HELP;
 use std::fmt::Write;
 use std::time::{Duration, Instant};
-use terrane_planet::layout::{EmitState, Mode};
+use terrane_planet::draw::layout::{EmitState, Mode};
 
 /// How long a message stays.
 const MESSAGE_TIME: Duration = Duration::from_secs(5);

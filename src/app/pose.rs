@@ -6,7 +6,7 @@
 use super::surface::Surface;
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
-use terrane_planet::view::Camera;
+use terrane_planet::draw::view::Camera;
 
 /// Height in metres above ground and sea that the viewer never sinks below.
 pub(super) const LEAST_HEIGHT: f64 = 2.0;

@@ -54,13 +54,13 @@ mod tests {
     use std::path::Path;
     use std::sync::{Arc, RwLock};
     use std::time::Duration;
-    use terrane_planet::patch::PatchId;
+    use terrane_planet::draw::cut::{Cut, Leaf};
+    use terrane_planet::draw::view::Camera;
+    use terrane_planet::globe::patch::PatchId;
+    use terrane_planet::globe::sphere::direction_at;
     use terrane_planet::planet::Planet;
     use terrane_planet::query::{KnownGround, Refiner};
     use terrane_planet::recipe::Sea;
-    use terrane_planet::reference::cut::{Cut, Leaf};
-    use terrane_planet::sphere::direction_at;
-    use terrane_planet::view::Camera;
 
     /// Some decimetres of air about the viewer's eye.
     const CLEARANCE: f64 = 0.3;

@@ -5,7 +5,7 @@ use super::keys::Held;
 use super::orbit_camera::OrbitCamera;
 use super::pose::{Lens, Pose};
 use super::surface::Surface;
-use terrane_planet::view::Camera;
+use terrane_planet::draw::view::Camera;
 
 /// How far the view turns when the mouse moves by a pixel, in angles that a pixel subtends.
 const LOOK_GAIN: f64 = 1.5;

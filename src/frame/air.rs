@@ -12,7 +12,7 @@ use crate::vulkan::{
     Shader,
 };
 use std::sync::Arc;
-use terrane_planet::layout::Shading;
+use terrane_planet::draw::layout::Shading;
 
 /// Transmittance: directions and heights.
 const TRANSMITTANCE: (u32, u32) = (256, 64);

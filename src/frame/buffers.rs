@@ -4,7 +4,7 @@
 use super::tables::FrameTables;
 use crate::vulkan::{Buffer, Context, Memory, Result, Usage, FRAMES_IN_FLIGHT};
 use std::sync::Arc;
-use terrane_planet::layout::{DrawnVertex, EmitState, FrameView, Shading};
+use terrane_planet::draw::layout::{DrawnVertex, EmitState, FrameView, Shading};
 
 /// Most triangles a frame emits unless told otherwise; more are counted, not drawn, and reported.
 pub const MAX_TRIANGLES: u32 = 6_000_000;

@@ -11,7 +11,7 @@ use crate::vulkan::{
     vk, Blend, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource, Result,
 };
 use std::sync::Arc;
-use terrane_planet::layout::EmitState;
+use terrane_planet::draw::layout::EmitState;
 
 /// Byte offset of the indirect draw in the emit state.
 const ARGUMENTS_OFFSET: u64 = std::mem::offset_of!(EmitState, index_count) as u64;

@@ -41,9 +41,9 @@ use select::Select;
 use sky::Sky;
 use stars::Stars;
 use std::sync::Arc;
-use terrane_planet::layout::{EmitState, FrameView, Mode, Shading};
-use terrane_planet::reference::cut::Cut;
-use terrane_planet::view::View;
+use terrane_planet::draw::cut::Cut;
+use terrane_planet::draw::layout::{EmitState, FrameView, Mode, Shading};
+use terrane_planet::draw::view::View;
 use tiles::Tiles;
 use tonemap::Tonemap;
 

@@ -1,10 +1,10 @@
 //! What shading needs to know of planet, camera and sun.
 
 use glam::DVec3;
-use terrane_planet::layout::{Mode, Shading, NO_SEA};
+use terrane_planet::draw::layout::{Mode, Shading, NO_SEA};
+use terrane_planet::draw::view::{local_frame, View};
+use terrane_planet::maps::waves::{total_variance, REPEAT_M};
 use terrane_planet::recipe::{Atmosphere, Recipe};
-use terrane_planet::view::{local_frame, View};
-use terrane_planet::waves::{total_variance, REPEAT_M};
 
 /// Scale heights of air above the datum that are worth drawing: what is above would be less than a step of 8 bits at the limb.
 const AIR_SCALE_HEIGHTS: f64 = 12.0;

@@ -6,9 +6,9 @@
 use crate::scene::{ResidentPatch, Scene};
 use glam::DVec3;
 use std::ops::Range;
-use terrane_planet::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_LAYER, RESOLVE_CHUNK, SELECT_CHUNK};
-use terrane_planet::reference::cut::{is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
-use terrane_planet::view::View;
+use terrane_planet::draw::cut::{is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
+use terrane_planet::draw::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_LAYER, RESOLVE_CHUNK, SELECT_CHUNK};
+use terrane_planet::draw::view::View;
 
 /// The tables of one frame.
 #[derive(Default)]

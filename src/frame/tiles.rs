@@ -3,8 +3,8 @@
 
 use crate::vulkan::{vk, Context, Image, ImageDescription, Resource, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
-use terrane_planet::grain::{crown_map, grain_map, GRAIN_SIDE};
-use terrane_planet::waves::{wave_map, CASCADES, WAVE_SIDE};
+use terrane_planet::maps::grain::{crown_map, grain_map, GRAIN_SIDE};
+use terrane_planet::maps::waves::{wave_map, CASCADES, WAVE_SIDE};
 
 /// Slopes, and a third number.
 const FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;

@@ -12,11 +12,11 @@ use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;
 use std::time::Instant;
-use terrane_planet::layout::PatchVertex;
-use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::Cut;
+use terrane_planet::draw::cut::Cut;
+use terrane_planet::draw::layout::PatchVertex;
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::verify::SurfaceCheck;
-use terrane_planet::view::{Camera, View};
 
 /// Metres that the camera keeps above drawn ground that is higher than the path.
 const CLEARANCE: f64 = 1.5;

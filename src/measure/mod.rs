@@ -9,7 +9,7 @@ use crate::frame::{Look, MESH_STAGES, STAGES};
 use crate::headless::Headless;
 use crate::scene::{Scene, SceneError};
 use std::time::Instant;
-use terrane_planet::view::View;
+use terrane_planet::draw::view::View;
 
 /// Times and counts of one frame.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use crate::vulkan::{vk, Context, Image, ImageDescription, Resource, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
-use terrane_planet::clouds::{cloud_detail, cloud_map, CloudLevel, CLOUD_SIDE, DETAIL_SIDE};
+use terrane_planet::maps::clouds::{cloud_detail, cloud_map, CloudLevel, CLOUD_SIDE, DETAIL_SIDE};
 use terrane_planet::recipe::Recipe;
 
 /// Bytes staged at a time.

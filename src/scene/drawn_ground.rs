@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use std::collections::HashSet;
-use terrane_planet::patch::PatchId;
+use terrane_planet::draw::cut::Cut;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::query::KnownGround;
-use terrane_planet::reference::cut::Cut;
 
 /// Bytes of main memory that the ground of a resident patch takes at most: heights, what selection knows of its index levels, and the
 /// triangles of those that a ray came near.

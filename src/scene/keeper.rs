@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::mpsc::{sync_channel, Receiver, RecvTimeoutError, SyncSender};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::store::{BakedPatch, PlanetFile, PlanetHeader, StoreError};
 
 /// Patches waiting to be written, of some 250 kB each.

@@ -8,10 +8,10 @@ use std::collections::HashSet;
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::Duration;
-use terrane_planet::patch::PatchId;
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::query::PatchGrid;
 use terrane_planet::store::StoreError;
-use terrane_planet::verify::LoadedPatch;
 
 /// Least number of workers: reading and decoding alone keeps two busy.
 const LEAST_WORKERS: usize = 2;

@@ -30,15 +30,15 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
-use terrane_planet::horizon::WideGrids;
-use terrane_planet::lattice::Lattice;
-use terrane_planet::patch::PatchId;
+use terrane_planet::draw::cut::{cut, Cut};
+use terrane_planet::draw::tree::{PatchFacts, PatchTree};
+use terrane_planet::draw::view::View;
+use terrane_planet::globe::lattice::Lattice;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::ground::horizon::WideGrids;
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::query::KnownGround;
-use terrane_planet::reference::cut::{cut, Cut};
 use terrane_planet::store::{PlanetFile, StoreError};
-use terrane_planet::tree::{PatchFacts, PatchTree};
-use terrane_planet::view::View;
 use thiserror::Error;
 
 /// Bytes staged at a time.

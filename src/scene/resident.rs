@@ -2,10 +2,10 @@
 
 use crate::vulkan::{Buffer, Context, Memory, Result, Upload, Usage};
 use std::sync::Arc;
-use terrane_planet::layout::PatchVertex;
-use terrane_planet::reference::work::{Reach, Work};
-use terrane_planet::verify::LoadedPatch;
-use terrane_planet::view::View;
+use terrane_planet::draw::layout::PatchVertex;
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::draw::view::View;
+use terrane_planet::draw::work::{Reach, Work};
 
 /// Bytes of a triangle: three 16-bit places.
 const TRIANGLE_BYTES: u64 = 6;

@@ -8,14 +8,14 @@ use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
-use terrane_planet::horizon::{HorizonMap, WideGrids};
-use terrane_planet::patch::PatchId;
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::ground::horizon::{HorizonMap, WideGrids};
+use terrane_planet::ground::texture::PatchTexture;
+use terrane_planet::mesh::progressive::PatchMesh;
 use terrane_planet::planet::Planet;
-use terrane_planet::progressive::PatchMesh;
 use terrane_planet::query::PatchGrid;
 use terrane_planet::store::{BakedPatch, PlanetFile, StoreError};
-use terrane_planet::texture::PatchTexture;
-use terrane_planet::verify::LoadedPatch;
 
 /// How patches were come by, since the scene was opened.
 #[derive(Debug, Default)]

@@ -2,9 +2,9 @@
 
 use crate::vulkan::{vk, Access, Commands, Context, Image, ImageDescription, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
-use terrane_planet::horizon::HorizonMap;
-use terrane_planet::mip::halved;
-use terrane_planet::texture::{decode_slope, texture_side, PatchTexture, MIP_LEVELS};
+use terrane_planet::ground::horizon::HorizonMap;
+use terrane_planet::ground::texture::{decode_slope, texture_side, PatchTexture, MIP_LEVELS};
+use terrane_planet::maps::mip::halved;
 
 /// Slopes: half floats, since 16-bit normalised formats need not be filterable.
 const SLOPE_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
@@ -23,7 +23,7 @@ pub(super) fn bytes_of_layer(cells: u32) -> u64 {
 pub struct TexturePool {
     /// Slopes along the patch's two tangents.
     pub slopes: Image,
-    /// Albedo, and the height above the sea in alpha (see [`terrane_planet::texture::encode_shore`]).
+    /// Albedo, and the height above the sea in alpha (see [`terrane_planet::ground::texture::encode_shore`]).
     pub albedo: Image,
     /// At the grid's vertices: sine of the horizon's elevation towards the sun, and the share of the sky's light.
     pub relief: Image,

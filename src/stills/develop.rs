@@ -6,9 +6,9 @@
 use glam::{Vec3, Vec4};
 use half::f16;
 use rayon::prelude::*;
-use terrane_planet::layout::Mode;
+use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::view::Window;
 use terrane_planet::reference::tonemap::{decode_srgb, display, dither, encode_srgb};
-use terrane_planet::view::Window;
 
 /// The pixels of a picture: red, green, blue and alpha of each, row by row.
 #[derive(Clone, Debug, PartialEq)]

@@ -15,8 +15,8 @@ use crate::vulkan::Context;
 use develop::Developer;
 use half::f16;
 use std::sync::Arc;
-use terrane_planet::reference::cut::Cut;
-use terrane_planet::view::{View, Window};
+use terrane_planet::draw::cut::Cut;
+use terrane_planet::draw::view::{View, Window};
 
 /// Side in pixels of the largest tile unless told otherwise: 150 MB of images.
 pub const TILE: u32 = 2048;
@@ -168,7 +168,7 @@ impl Studio {
     }
 }
 
-fn dropped(counters: &terrane_planet::layout::EmitState) -> u64 {
+fn dropped(counters: &terrane_planet::draw::layout::EmitState) -> u64 {
     u64::from(counters.wanted.saturating_sub(counters.capacity))
 }
 

@@ -1,6 +1,6 @@
 //! Which windows a picture is drawn through.
 
-use terrane_planet::view::Window;
+use terrane_planet::draw::view::Window;
 
 /// Sides of tiles are multiples of this: pixels are shaded in squares of two.
 const STEP: u32 = 2;

@@ -5,12 +5,12 @@
 
 use super::twins::Twin;
 use super::{MeshFaults, Verifier};
-use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::{cut, cut_by, urgency, Cut};
+use terrane_planet::draw::cut::{cut, cut_by, urgency, Cut};
+use terrane_planet::draw::tree::{PatchNode, PatchTree};
+use terrane_planet::draw::view::View;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::store::StoreError;
-use terrane_planet::tree::{PatchNode, PatchTree};
 use terrane_planet::verify::{measure, Drawn, Effort, FinestSurface, ScreenError, SurfaceCheck};
-use terrane_planet::view::View;
 
 /// Share of the tolerance that the error may reach.
 pub const PROMISED_SHARE: f64 = 1.0;
@@ -62,7 +62,7 @@ impl Perturbation {
 /// A number that differs from patch to patch and from view to view.
 fn dice(id: PatchId, k: usize) -> u64 {
     let name = u64::from(id.x) << 32 | u64::from(id.y) << 8 | u64::from(id.level) << 3 | u64::from(id.face.index());
-    terrane_planet::verify::random_views::Random::new(name ^ (k as u64) << 48).bits()
+    terrane_planet::globe::random::Random::new(name ^ (k as u64) << 48).bits()
 }
 
 /// What one drawing of a view showed.

@@ -3,17 +3,16 @@
 use super::report::Mismatches;
 use crate::headless::Selection;
 use std::cmp::Ordering;
-use terrane_planet::lattice::Lattice;
-use terrane_planet::layout::{DrawnVertex, FrameView, PatchDraw, PatchVertex, VERTEX_BITS};
-use terrane_planet::progressive::PatchMesh;
-use terrane_planet::reference::cut::Leaf;
-use terrane_planet::reference::{
-    emit::emit,
-    resolve::resolve,
-    select::{select, Selected},
-};
-use terrane_planet::verify::{LoadedPatch, Rings};
-use terrane_planet::view::View;
+use terrane_planet::draw::cut::Leaf;
+use terrane_planet::draw::layout::{DrawnVertex, FrameView, PatchDraw, PatchVertex, VERTEX_BITS};
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::draw::view::View;
+use terrane_planet::globe::lattice::Lattice;
+use terrane_planet::mesh::progressive::PatchMesh;
+use terrane_planet::reference::emit::emit;
+use terrane_planet::reference::resolve::resolve;
+use terrane_planet::reference::select::{select, Selected};
+use terrane_planet::verify::Rings;
 
 /// A patch as the CPU has it.
 pub(super) struct KnownPatch {

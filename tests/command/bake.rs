@@ -5,7 +5,7 @@
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::store::{PlanetFile, FORMAT_VERSION};
 
 fn recipe() -> PathBuf {

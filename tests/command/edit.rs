@@ -4,7 +4,7 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::store::PlanetFile;
 
 const GRID: [&str; 4] = ["--levels", "2", "--cells", "8"];
@@ -112,7 +112,9 @@ fn an_interrupted_edit_is_not_resumed() {
     let [file, whole] = ["a.planet", "b.planet"].map(|name| baked(folder.path(), name));
     edited(&whole, &CRATER);
     {
-        use terrane_planet::{edits::add, planet::Planet, recipe::Recipe};
+        use terrane_planet::planet::edits::add;
+        use terrane_planet::planet::Planet;
+        use terrane_planet::recipe::Recipe;
         let mut open = PlanetFile::open_to_edit(&file).unwrap();
         let planet = Planet::from_header(open.header()).unwrap();
         let text = &PlanetFile::open(&whole).unwrap().header().recipe.clone();

@@ -7,7 +7,7 @@ mod common;
 
 use common::{device, terrane, text};
 use std::path::{Path, PathBuf};
-use terrane_planet::bake::{bake, BakePlan};
+use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::store::PlanetFile;

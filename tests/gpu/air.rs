@@ -8,11 +8,11 @@ use terrane::frame::{sun_over, Look, DAYLIGHT};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::layout::{Mode, Shading};
+use terrane_planet::draw::layout::{Mode, Shading};
+use terrane_planet::draw::view::{Camera, View, NEAR};
+use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::reference::air::{Air, SUN_RADIUS};
 use terrane_planet::reference::tonemap::display;
-use terrane_planet::sphere::direction_at;
-use terrane_planet::view::{Camera, View, NEAR};
 
 const SIZE: [u32; 2] = [96, 54];
 /// Largest difference that passes, in steps of 1/255.

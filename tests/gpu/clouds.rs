@@ -8,10 +8,10 @@ use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::stills::{Pixels, StillOptions, Studio};
 use terrane::vulkan::Context;
-use terrane_planet::clouds::{cloud_map, octahedral, CloudLevel, CLOUD_EDGE, CLOUD_SIDE};
-use terrane_planet::layout::Mode;
-use terrane_planet::sphere::direction_at;
-use terrane_planet::view::{Camera, View};
+use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::maps::clouds::{cloud_map, octahedral, CloudLevel, CLOUD_EDGE, CLOUD_SIDE};
 
 const SIZE: [u32; 2] = [96, 96];
 /// Of the planet and of its clouds.

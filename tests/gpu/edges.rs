@@ -5,8 +5,8 @@ use glam::DVec3;
 use terrane::frame::{sun_over, Look, DAYLIGHT};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
-use terrane_planet::layout::Mode;
-use terrane_planet::view::{Camera, View};
+use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::view::{Camera, View};
 
 const SIZE: [u32; 2] = [160, 90];
 

@@ -7,9 +7,9 @@ use terrane::frame::{sun_over, Look, DAYLIGHT};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::layout::Mode;
-use terrane_planet::sphere::{direction, ONE};
-use terrane_planet::view::{Camera, View, NEAR};
+use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::view::{Camera, View, NEAR};
+use terrane_planet::globe::sphere::{direction, ONE};
 
 const SIZE: [u32; 2] = [96, 64];
 /// Vertical field of view in radians.

@@ -8,11 +8,12 @@ use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::verify::Verifier;
 use terrane::vulkan::{Context, ContextOptions, MessageLog};
-use terrane_planet::bake::{bake, BakePlan, Region};
+use terrane_planet::draw::view::Camera;
+use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::store::PlanetFile;
-use terrane_planet::view::Camera;
+use terrane_planet::store::Region;
 
 /// One device at a time: several software devices at once only slow each other down.
 static DEVICE: Mutex<()> = Mutex::new(());

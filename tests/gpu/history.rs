@@ -8,9 +8,9 @@ use terrane::frame::{Look, DAYLIGHT};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::layout::{Mode, VERTEX_BITS};
-use terrane_planet::patch::PatchId;
-use terrane_planet::view::{Camera, View};
+use terrane_planet::draw::layout::{Mode, VERTEX_BITS};
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::patch::PatchId;
 
 /// Size of the pictures.
 const SIZE: [u32; 2] = [320, 180];
@@ -70,7 +70,7 @@ struct Shown {
     pixels: Vec<u8>,
 }
 
-fn show(scene: &Scene, headless: &mut Headless, view: &View, cut: &terrane_planet::reference::cut::Cut) -> Shown {
+fn show(scene: &Scene, headless: &mut Headless, view: &View, cut: &terrane_planet::draw::cut::Cut) -> Shown {
     let report = headless.render(scene, view, cut, &LOOK).unwrap();
     let selection = headless.read_selection(&report).unwrap();
     let named = |t: &[u32; 3]| {

@@ -4,7 +4,7 @@ use crate::harness::device;
 use std::sync::Arc;
 use terrane::shaders::LAYOUT_PROBE_COMP;
 use terrane::vulkan::{Buffer, Commands, ComputePipeline, Context, Memory, Resource, Usage};
-use terrane_planet::layout::probe_words;
+use terrane_planet::draw::layout::probe_words;
 
 /// A word of its own for every member: numbers from 1.0 on, so that no float passes as a NaN, which may change its bits.
 fn distinct(word: usize) -> u32 {

@@ -10,13 +10,13 @@ use terrane::frame::{Look, DAYLIGHT};
 use terrane::headless::Headless;
 use terrane::scene::{CacheOptions, OnDemand, Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::bake::{bake, BakePlan};
-use terrane_planet::layout::{Mode, VERTEX_BITS};
-use terrane_planet::patch::PatchId;
+use terrane_planet::draw::layout::{Mode, VERTEX_BITS};
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::store::PlanetFile;
-use terrane_planet::view::{Camera, View};
 
 const FINEST: u8 = 3;
 

@@ -4,7 +4,7 @@ use crate::harness::{device, Bench};
 use terrane::frame::Look;
 use terrane::verify::{random_views, TOLERANCES};
 use terrane::vulkan::{download, Commands};
-use terrane_planet::layout::Mode;
+use terrane_planet::draw::layout::Mode;
 
 /// Far fewer than any view emits.
 const CAPACITY: u32 = 20;

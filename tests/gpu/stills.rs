@@ -8,11 +8,11 @@ use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::stills::{PixelFormat, Pixels, Still, StillOptions, Studio};
 use terrane::vulkan::Context;
-use terrane_planet::layout::Mode;
+use terrane_planet::draw::cut::Cut;
+use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::Planet;
-use terrane_planet::reference::cut::Cut;
-use terrane_planet::sphere::direction_at;
-use terrane_planet::view::{Camera, View};
 
 const SIZE: [u32; 2] = [150, 98];
 

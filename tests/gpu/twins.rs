@@ -3,11 +3,11 @@
 use crate::harness::{device, Bench};
 use std::process::Command;
 use terrane::verify::{random_views, Mismatches, VerifyReport, TOLERANCES};
-use terrane_planet::layout::PatchVertex;
-use terrane_planet::patch::PatchId;
+use terrane_planet::draw::layout::PatchVertex;
+use terrane_planet::draw::view::View;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::mesh::wake::Wake;
 use terrane_planet::reference::select::morph_weight;
-use terrane_planet::view::View;
-use terrane_planet::wake::Wake;
 
 const VIEWS: usize = 12;
 

@@ -1,10 +1,10 @@
 //! What the benchmarks share: the shipped planets, and the patches they are measured on.
 
 use std::path::Path;
-use terrane_planet::patch::PatchId;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::sphere::direction_at;
 
 /// Grid cells along a patch side, as shipped.
 const CELLS: u32 = 128;

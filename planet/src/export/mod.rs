@@ -14,11 +14,11 @@ mod surface;
 
 pub use surface::{view_surface, Welded};
 
-use crate::heightfield::TriangleSurface;
-use crate::lattice::Lattice;
+use crate::globe::lattice::Lattice;
 use glam::{DVec3, IVec3};
 use serde_json::json;
 use std::path::Path;
+use terrane_heightfield::TriangleSurface;
 use thiserror::Error;
 
 /// Why a mesh cannot be written.

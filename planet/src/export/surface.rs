@@ -1,12 +1,14 @@
 //! The surface that a view draws, in one piece.
 
-use crate::layout::PatchVertex;
-use crate::patch::PatchId;
-use crate::reference::cut::{cut, is_visible, Leaf};
-use crate::reference::{emit::emit, resolve::resolve, select::select};
-use crate::tree::PatchTree;
-use crate::verify::LoadedPatch;
-use crate::view::View;
+use crate::draw::cut::{cut, is_visible, Leaf};
+use crate::draw::layout::PatchVertex;
+use crate::draw::loaded_patch::LoadedPatch;
+use crate::draw::tree::PatchTree;
+use crate::draw::view::View;
+use crate::globe::patch::PatchId;
+use crate::reference::emit::emit;
+use crate::reference::resolve::resolve;
+use crate::reference::select::select;
 use glam::IVec3;
 use std::collections::HashMap;
 

@@ -3,10 +3,10 @@
 //! Direct addressing: face, then quarter by quarter down to the leaf, then the cell and its two triangles. No search structure.
 
 use super::patch_grid::PatchGrid;
-use crate::lattice::Lattice;
-use crate::patch::{PatchId, MAX_LEVEL};
-use crate::rays::patch_surface::grouped_grid;
-use crate::sphere::{warp_component, Face};
+use super::rays::patch_surface::grouped_grid;
+use crate::globe::lattice::Lattice;
+use crate::globe::patch::{PatchId, MAX_LEVEL};
+use crate::globe::sphere::{warp_component, Face};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::sync::Arc;

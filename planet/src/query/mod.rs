@@ -7,6 +7,7 @@
 mod known_ground;
 mod patch_grid;
 mod raycast;
+pub mod rays;
 mod refiner;
 
 pub use known_ground::{GroundHeight, KnownGround};

@@ -1,13 +1,13 @@
 //! The heights of one patch's grid, and the ground between them: two triangles a cell, as the finest surface draws them.
 
+use super::rays::{PatchSurface, Ray};
+use crate::globe::lattice::Lattice;
+use crate::globe::patch::PatchId;
 use crate::ground::{Ground, WarpedGrid};
-use crate::lattice::Lattice;
-use crate::patch::PatchId;
-use crate::progressive::PatchMesh;
-use crate::rays::{PatchSurface, Ray};
-use crate::simplify::mesh::cell_corners;
+use crate::mesh::progressive::PatchMesh;
 use glam::{DVec3, IVec3};
 use std::sync::{Arc, OnceLock};
+use terrane_heightfield::decimate::mesh::cell_corners;
 
 /// Lattice units by which a direction in a cell may miss the cell's triangles, whose corners are rounded to the lattice.
 const CORNER_ROUNDING: f64 = 4.0;
@@ -83,7 +83,7 @@ impl PatchGrid {
         self.lattice.position(self.warped.direction(v % row, v / row), self.heights[v])
     }
 
-    /// Distance along a ray to the nearest triangle. `triangles` from [`grouped_grid`](crate::rays::patch_surface::grouped_grid).
+    /// Distance along a ray to the nearest triangle. `triangles` from [`grouped_grid`](super::rays::patch_surface::grouped_grid).
     pub(super) fn nearest(&self, ray: &Ray, triangles: &Arc<[[u32; 3]]>) -> Option<f64> {
         self.surface.get_or_init(|| PatchSurface::of_positions(self.overlapping(), triangles)).nearest(ray)
     }

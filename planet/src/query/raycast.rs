@@ -6,9 +6,9 @@
 
 use super::known_ground::KnownGround;
 use super::patch_grid::PatchGrid;
-use crate::patch::{PatchId, MAX_LEVEL};
-use crate::rays::Ray;
-use crate::sphere::{warp_component, Face};
+use super::rays::Ray;
+use crate::globe::patch::{PatchId, MAX_LEVEL};
+use crate::globe::sphere::{warp_component, Face};
 use glam::DVec3;
 
 /// Lattice units by which rounded corners may lie aside of where they should: what is no deeper below the ground is not below.

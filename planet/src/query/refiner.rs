@@ -5,7 +5,7 @@
 
 use super::known_ground::KnownGround;
 use super::patch_grid::PatchGrid;
-use crate::patch::PatchId;
+use crate::globe::patch::PatchId;
 use crate::planet::Planet;
 use glam::DVec3;
 use std::collections::VecDeque;

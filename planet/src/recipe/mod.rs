@@ -18,7 +18,7 @@ pub use landform::{Canyons, Caps, Dunes, Lava, Rift, Shield};
 pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
 pub use palette::{Airless, Colour, Desert, Living, Palette};
 
-use crate::sun::EARTH_TILT;
+use crate::globe::sun::EARTH_TILT;
 use reader::{Reader, Source};
 use std::path::Path;
 

@@ -4,7 +4,7 @@
 //! Every ray is marched in hundreds of steps, from each of which the sunlight is marched again; no table is looked up but that of
 //! multiple scattering, which is part of the model (Hillaire 2020, section 5.5). Constants are those of `shaders/shared/air.glsl`.
 
-use crate::layout::Shading;
+use crate::draw::layout::Shading;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;

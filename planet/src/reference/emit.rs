@@ -1,6 +1,6 @@
 //! Twin of `emit.comp`: the triangles of a patch that this view draws.
 
-use crate::layout::{DrawnVertex, FrameView, CULL_BACK, CULL_FRUSTUM};
+use crate::draw::layout::{DrawnVertex, FrameView, CULL_BACK, CULL_FRUSTUM};
 use glam::Vec3;
 
 /// Triangles of an index level with every corner replaced by the vertex it is drawn as; degenerate and culled ones dropped.

@@ -3,7 +3,7 @@
 //! A vertex that wakes comes out of its parent's place (Hoppe's geomorph, 1996): its *morph weight* falls from 1, its parent's place, to
 //! 0, its own, while the viewer comes from `reach` to `scale` times its wake. Its parent stands still meanwhile.
 
-use crate::layout::{FrameView, PatchVertex};
+use crate::draw::layout::{FrameView, PatchVertex};
 use glam::{DVec3, IVec3, Vec3};
 
 /// Camera-relative position in lattice units: integers first.

@@ -1,6 +1,6 @@
 //! Twin of `resolve.comp`: the vertex that each vertex of a patch is drawn as.
 
-use crate::layout::PatchVertex;
+use crate::draw::layout::PatchVertex;
 
 /// Whether bit `k` is set.
 #[inline]

@@ -3,8 +3,8 @@
 //! Every operation is a single-precision IEEE operation in the order of the shader, which marks them `precise`.
 
 use super::place::{drawn_place, relative};
-use crate::layout::{DrawnVertex, FrameView, PatchVertex};
-use crate::wake::Wake;
+use crate::draw::layout::{DrawnVertex, FrameView, PatchVertex};
+use crate::mesh::wake::Wake;
 use glam::Vec3;
 
 /// What a view selects of a patch, or of a prefix of its vertices.
@@ -64,7 +64,7 @@ pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) 
     Some(slide.clamp(0.0, 1.0))
 }
 
-/// The orientation term's part of the selection distance, see [`crate::orientation`].
+/// The orientation term's part of the selection distance, see [`crate::draw::orientation`].
 #[inline]
 fn oriented_distance(view: &FrameView, p: Vec3) -> f32 {
     let up = view.up;
@@ -89,9 +89,9 @@ pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) ->
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::lattice::Lattice;
-    use crate::view::{Camera, View};
-    use crate::wake::MORPH_REACH;
+    use crate::draw::view::{Camera, View};
+    use crate::globe::lattice::Lattice;
+    use crate::mesh::wake::MORPH_REACH;
     use glam::DVec3;
 
     /// A vertex of some wake `share` of scale times its wake ahead of a camera, and the view.

@@ -2,7 +2,7 @@
 //!
 //! In: radiance and its factor. Out: sRGB-encoded channels from 0 to 1. The curve is that of AgX (Sobotka 2022) in Wrensch's fit.
 
-use crate::layout::Mode;
+use crate::draw::layout::Mode;
 use glam::{Mat3, Vec3};
 
 const MIX: Mat3 =

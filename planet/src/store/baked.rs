@@ -2,10 +2,10 @@
 
 use super::error::RecordError;
 use super::{geometry, imagery};
-use crate::lattice::LatticeBox;
-use crate::patch::PatchId;
-use crate::progressive::PatchMesh;
-use crate::texture::PatchTexture;
+use crate::globe::lattice::LatticeBox;
+use crate::globe::patch::PatchId;
+use crate::ground::texture::PatchTexture;
+use crate::mesh::progressive::PatchMesh;
 
 /// What is known of a stored patch without reading it.
 #[derive(Clone, Copy, Debug, PartialEq)]

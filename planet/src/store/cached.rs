@@ -2,7 +2,7 @@
 
 use super::baked::PatchRecord;
 use super::rows;
-use crate::patch::PatchId;
+use crate::globe::patch::PatchId;
 use rusqlite::{params, Connection};
 
 /// Notes that patches may go.

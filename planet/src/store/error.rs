@@ -1,6 +1,6 @@
 //! What can be wrong with a planet file or with one of its records.
 
-use crate::patch::PatchId;
+use crate::globe::patch::PatchId;
 use rusqlite::ErrorCode;
 use std::path::{Path, PathBuf};
 use thiserror::Error;

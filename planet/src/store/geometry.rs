@@ -7,10 +7,10 @@
 use super::error::RecordError;
 use super::predict::{mean, merge_plane, midpoint_order, plane, unzigzag, zigzag};
 use super::record::{RecordReader, RecordWriter};
-use crate::lattice::{LatticeBox, EXTENT};
-use crate::patch::{PatchId, MAX_CELLS, MIN_CELLS};
-use crate::progressive::{PatchMesh, Vertex};
-use crate::wake::Wake;
+use crate::globe::lattice::{LatticeBox, EXTENT};
+use crate::globe::patch::{PatchId, MAX_CELLS, MIN_CELLS};
+use crate::mesh::progressive::{PatchMesh, Vertex};
+use crate::mesh::wake::Wake;
 use glam::IVec3;
 
 /// First bytes of a geometry record.
@@ -255,7 +255,7 @@ mod tests {
             Vertex { grid: grid as u16, height: -7, own: wake, coarser: wake, parent: 0 }
         };
         PatchMesh {
-            id: PatchId::new(crate::sphere::Face::ALL[2], 3, 1, 6).unwrap(),
+            id: PatchId::new(crate::globe::sphere::Face::ALL[2], 3, 1, 6).unwrap(),
             cells,
             vertices: (0..(cells + 1) * (cells + 1)).map(vertex).collect(),
             bounds: LatticeBox { low: IVec3::splat(-5), high: IVec3::splat(5) },

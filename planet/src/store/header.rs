@@ -4,7 +4,7 @@
 use super::error::{failure, StoreError};
 use super::geometry;
 use super::schema::{APPLICATION_ID, FORMAT_VERSION, TABLES};
-use crate::lattice::Lattice;
+use crate::globe::lattice::Lattice;
 use crate::recipe::Asset;
 use rusqlite::{params, Connection, OpenFlags};
 use std::path::{Path, PathBuf};
@@ -32,7 +32,7 @@ pub struct PlanetHeader {
 impl PlanetHeader {
     /// Checksum over all of it, and over what the builder takes as given.
     pub fn checksum(&self) -> u32 {
-        header_checksum(self, crate::KAPPA, crate::DEVIATION_SHARE)
+        header_checksum(self, crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE)
     }
 }
 
@@ -67,8 +67,8 @@ fn write_header(draft: &Path, header: &PlanetHeader) -> rusqlite::Result<()> {
             header.name,
             header.recipe,
             header.cells,
-            crate::KAPPA,
-            crate::DEVIATION_SHARE,
+            crate::mesh::certificate::KAPPA,
+            crate::mesh::certificate::DEVIATION_SHARE,
             lattice.unit,
             lattice.radius,
             lowest,
@@ -139,8 +139,8 @@ pub(super) fn read(connection: &Connection, path: &Path) -> Result<PlanetHeader,
     if !geometry::cells_are_valid(header.cells) {
         return Err(damaged(format!("{} cells along a patch side", header.cells)));
     }
-    if (kappa, share) != (crate::KAPPA, crate::DEVIATION_SHARE) {
-        let expected = format!("{} with share {}", crate::KAPPA, crate::DEVIATION_SHARE);
+    if (kappa, share) != (crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE) {
+        let expected = format!("{} with share {}", crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE);
         let found = format!("{kappa} with share {share}");
         return Err(StoreError::Differs { file: path.to_owned(), what: "the coarsest tolerance", found, expected });
     }

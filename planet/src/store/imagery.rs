@@ -6,8 +6,8 @@ use super::error::RecordError;
 use super::geometry::cells_are_valid;
 use super::predict::median_edge;
 use super::record::{RecordReader, RecordWriter};
-use crate::patch::PatchId;
-use crate::texture::{texture_side, PatchTexture};
+use crate::globe::patch::PatchId;
+use crate::ground::texture::{texture_side, PatchTexture};
 
 /// First bytes of a texture record.
 pub const MAGIC: [u8; 4] = *b"TRPT";

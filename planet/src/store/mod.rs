@@ -1,4 +1,4 @@
-//! The planet file: one SQLite database that holds a recipe and the patches built from it (DESIGN section 8).
+//! The planet file: one SQLite database that holds a recipe and the patches built from it.
 //!
 //! In: built patches. Out: the same patches, bit for bit, or a typed error that names the file and the patch. Patches travel as
 //! self-contained records ([`record`]): versioned, checksummed, one compressed stream a field ([`geometry`], [`imagery`]).
@@ -13,6 +13,7 @@ mod pending;
 mod planet_file;
 mod predict;
 pub mod record;
+mod region;
 mod rows;
 mod schema;
 
@@ -20,4 +21,5 @@ pub use baked::{BakedPatch, PatchRecord};
 pub use error::{RecordError, StoreError};
 pub use header::PlanetHeader;
 pub use planet_file::PlanetFile;
+pub use region::Region;
 pub use schema::{is_planet_file, APPLICATION_ID, FORMAT_VERSION};

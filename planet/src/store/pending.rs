@@ -3,7 +3,7 @@
 //! The table is there from a file's first edit on, so files without edits are as they always were.
 
 use super::rows;
-use crate::patch::PatchId;
+use crate::globe::patch::PatchId;
 use rusqlite::Connection;
 
 fn exists(connection: &Connection) -> rusqlite::Result<bool> {

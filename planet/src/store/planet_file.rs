@@ -7,13 +7,14 @@
 
 use super::baked::{BakedPatch, PatchRecord};
 use super::error::{failure, RecordError, StoreError};
-use super::header::{self, PlanetHeader};
+use super::header;
+use super::header::PlanetHeader;
 use super::schema::check_stamp;
+use super::Region;
 use super::{cached, geometry, imagery, pending, rows};
-use crate::bake::Region;
-use crate::patch::PatchId;
-use crate::progressive::PatchMesh;
-use crate::texture::PatchTexture;
+use crate::globe::patch::PatchId;
+use crate::ground::texture::PatchTexture;
+use crate::mesh::progressive::PatchMesh;
 use glam::DVec3;
 use rusqlite::{params, Connection, ErrorCode, OpenFlags, OptionalExtension, TransactionBehavior};
 use std::collections::HashSet;

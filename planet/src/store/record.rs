@@ -4,8 +4,8 @@
 //! record ever decides how much memory is taken.
 
 use super::error::RecordError;
-use crate::patch::PatchId;
-use crate::sphere::Face;
+use crate::globe::patch::PatchId;
+use crate::globe::sphere::Face;
 
 /// Version of the records that this program writes and reads.
 pub const RECORD_VERSION: u16 = 1;

@@ -2,9 +2,9 @@
 
 use super::baked::{BakedPatch, PatchRecord};
 use super::geometry::measures_are_valid;
-use crate::lattice::LatticeBox;
-use crate::patch::PatchId;
-use crate::sphere::Face;
+use crate::globe::lattice::LatticeBox;
+use crate::globe::patch::PatchId;
+use crate::globe::sphere::Face;
 use glam::IVec3;
 use rusqlite::{params, Connection, Row};
 

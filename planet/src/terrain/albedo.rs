@@ -1,7 +1,6 @@
 //! The ground's colour: climate, height, slope and noise through the recipe's palette. In: directions with height and
 //! slope. Out: sRGB-encoded albedo. Deterministic like the heights: textures are part of a patch's bytes.
 
-use super::angles::sin_cos;
 use super::desert::Winds;
 use super::living::Biomes;
 use super::noise::{mix, noise_at};
@@ -9,6 +8,7 @@ use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{axes, Lane, Points, LANES};
 use super::{GroundPoint, Terrain};
 use crate::recipe::{Airless, Colour, Octaves, Palette};
+use terrane_heightfield::angles::sin_cos;
 
 /// Noise at the scales on which ground varies.
 pub(crate) struct Tints {

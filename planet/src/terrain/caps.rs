@@ -2,12 +2,12 @@
 //! from the pole (Smith and Holt 2010). In: a chunk of points in metres. Out: metres of the layer's own, how much of the ground is ice, and
 //! how much of a trough's wall is bare.
 
-use super::angles::{atan2, sin_cos};
 use super::noise::{mix, nearest};
 use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{Lane, Points, LANES};
 use crate::recipe;
 use std::f64::consts::TAU;
+use terrane_heightfield::angles::{atan2, sin_cos};
 
 /// Troughs that a circle about the pole crosses. Whole, so that the spirals close.
 const ARMS: f64 = 7.0;

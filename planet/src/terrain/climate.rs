@@ -177,8 +177,8 @@ pub(super) fn wind(d: DVec3) -> DVec3 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::globe::sphere::direction_at;
     use crate::recipe::Recipe;
-    use crate::sphere::direction_at;
     use std::path::Path;
 
     fn climate() -> Climate {

@@ -2,12 +2,12 @@
 //! a chunk. Out: a colour for each point.
 
 use super::albedo::{mixed, put, rgb, ColourLanes, Noises, Rgb, Site};
-use super::angles::sin_cos;
 use super::noise::{mix, noise_at};
 use super::octaves::{Fractal, Ramp, Warp};
 use super::points::{Lane, Points, LANES};
 use super::Terrain;
 use crate::recipe::{Desert, Octaves};
+use terrane_heightfield::angles::sin_cos;
 
 /// How much longer than wide the streaks at the edges of dark sand are: winds blow along parallels.
 const STREAK: f64 = 2.5;

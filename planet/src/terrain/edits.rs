@@ -5,7 +5,6 @@
 //! edits a run of points may meet is asked of a tree of boxes (obvhs) that are wider than the edits by more than f32 rounds, so
 //! the tree decides no bit, and thousands of edits cost what the few that are near cost.
 
-use super::angles::sin_cos;
 use super::craters::{bowl, RIM};
 use super::points::LANES;
 use crate::recipe::{Edit, Shape};
@@ -14,6 +13,7 @@ use obvhs::aabb::Aabb;
 use obvhs::bvh2::{builder::build_bvh2, Bvh2};
 use obvhs::BvhBuildParams;
 use std::time::Duration;
+use terrane_heightfield::angles::sin_cos;
 
 /// By how much boxes about unit directions are widened: sixteen times what f32 rounds.
 const WIDENING: f64 = 1.0 / (1u32 << 20) as f64;

@@ -8,7 +8,6 @@
 #![allow(clippy::needless_range_loop, reason = "a loop over lanes reads and writes several arrays alike")]
 
 mod albedo;
-pub(crate) mod angles;
 mod canyons;
 mod caps;
 mod climate;

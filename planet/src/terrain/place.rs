@@ -1,7 +1,7 @@
 //! A place of a landmark on the sphere with a heading. In: latitude, longitude, heading. Out: coordinates of a chunk's points about it.
 
-use super::angles::sin_cos;
 use super::points::{axes, Lane, Points, LANES};
+use terrane_heightfield::angles::sin_cos;
 
 /// A point of the sphere and the directions there.
 pub(crate) struct Place {

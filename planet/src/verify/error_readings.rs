@@ -1,6 +1,6 @@
 //! Screen errors collected: percentiles of all readings, and where the largest was read.
 
-use crate::patch::PatchId;
+use crate::globe::patch::PatchId;
 use glam::DVec3;
 use hdrhistogram::Histogram;
 use std::fmt;

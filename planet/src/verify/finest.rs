@@ -2,16 +2,16 @@
 //!
 //! Full grids of the leaves of [`finest_cut`], read when a ray first comes near one and kept as long as there is room.
 
-use crate::lattice::{Lattice, LatticeBox};
-use crate::patch::PatchId;
-use crate::progressive::PatchMesh;
-use crate::rays::box_tree::BoxTree;
-use crate::rays::patch_surface::grouped_grid;
-use crate::rays::{PatchSurface, Ray};
-use crate::recent::Recent;
-use crate::reference::cut::finest_cut;
+use crate::draw::cut::finest_cut;
+use crate::draw::tree::PatchTree;
+use crate::globe::lattice::{Lattice, LatticeBox};
+use crate::globe::patch::PatchId;
+use crate::globe::patch_cache::Recent;
+use crate::mesh::progressive::PatchMesh;
+use crate::query::rays::box_tree::BoxTree;
+use crate::query::rays::patch_surface::grouped_grid;
+use crate::query::rays::{PatchSurface, Ray};
 use crate::store::StoreError;
-use crate::tree::PatchTree;
 use glam::DVec3;
 use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};

@@ -7,45 +7,15 @@ pub mod random_views;
 pub mod screen_error;
 pub mod surface_check;
 
-pub use crate::rays::{patch_surface, Ray};
 pub use error_readings::{ErrorReadings, Probe, Reading};
 pub use finest::{FinestSurface, GridCache};
 pub use random_views::{ground_views, RandomViews};
 pub use screen_error::{is_in_view, measure, Drawn, Effort, ScreenError};
 pub use surface_check::{SurfaceCheck, SurfaceReport};
 
-use crate::lattice::Lattice;
-use crate::layout::{DrawnVertex, PatchVertex};
-use crate::progressive::{replay, IndexLevels, PatchMesh};
+use crate::draw::layout::DrawnVertex;
+use crate::mesh::progressive::{replay, PatchMesh};
 use crate::reference::resolve::bit;
-use crate::reference::work::{Reach, Work};
-
-/// A patch with everything the checks and the run time need.
-pub struct LoadedPatch {
-    /// The progressive mesh.
-    pub mesh: PatchMesh,
-    /// Its vertices as the GPU sees them.
-    pub vertices: Vec<PatchVertex>,
-    /// Its triangle lists.
-    pub lists: IndexLevels,
-    /// What decides how much of it a view looks at.
-    pub reach: Reach,
-}
-
-impl LoadedPatch {
-    /// Prepares a patch for drawing.
-    pub fn new(mesh: PatchMesh, lattice: &Lattice) -> LoadedPatch {
-        let vertices = PatchVertex::of_patch(&mesh, lattice);
-        let lists = IndexLevels::new(&mesh);
-        let reach = Reach::new(&vertices, mesh.cells, &lists);
-        LoadedPatch { mesh, vertices, lists, reach }
-    }
-
-    /// The triangles that emission begins with.
-    pub fn triangles(&self, work: &Work) -> Vec<[u16; 3]> {
-        work.triangles.iter().flat_map(|run| &self.lists.triangles[run.start as usize..run.end as usize]).copied().collect()
-    }
-}
 
 /// Rings of every collapse of a patch, flat, for closure checks.
 pub struct Rings {

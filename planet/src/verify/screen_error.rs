@@ -11,17 +11,17 @@
 
 use super::error_readings::{ErrorReadings, Probe, Reading};
 use super::finest::FinestSurface;
-use super::random_views::Random;
-use crate::lattice::LatticeBox;
-use crate::layout::{DrawnVertex, PatchVertex};
-use crate::patch::PatchId;
-use crate::rays::box_tree::BoxTree;
-use crate::rays::{PatchSurface, Ray};
-use crate::reference::cut::{is_visible, sides_beside, Leaf};
+use crate::draw::cut::{is_visible, sides_beside, Leaf};
+use crate::draw::layout::{DrawnVertex, PatchVertex};
+use crate::draw::tree::PatchTree;
+use crate::draw::view::View;
+use crate::globe::lattice::LatticeBox;
+use crate::globe::patch::PatchId;
+use crate::globe::random::Random;
+use crate::query::rays::box_tree::BoxTree;
+use crate::query::rays::{PatchSurface, Ray};
 use crate::reference::select::on_sides;
 use crate::store::StoreError;
-use crate::tree::PatchTree;
-use crate::view::View;
 use glam::{DVec3, IVec3};
 use rayon::prelude::*;
 

@@ -3,8 +3,8 @@
 //! The key of a vertex is its lattice position together with the bits of the place where it is drawn: an edge cancels only against
 //! one that has both in common.
 
-use crate::lattice::{determinant, orientation};
-use crate::layout::{DrawnVertex, PatchVertex};
+use crate::draw::layout::{DrawnVertex, PatchVertex};
+use crate::globe::lattice::{determinant, orientation};
 use glam::IVec3;
 use std::collections::HashMap;
 
@@ -126,7 +126,7 @@ fn drawn_orientation([a, b, c]: [Slide; 3]) -> i32 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::layout::FrameView;
+    use crate::draw::layout::FrameView;
     use crate::reference::place::drawn_place;
 
     fn tetrahedron() -> (Vec<PatchVertex>, Vec<[u32; 3]>) {

@@ -1,8 +1,8 @@
 //! A small analytic terrain for tests: a few octaves of value noise over the sphere, ridged or not.
 
 use glam::{DVec3, IVec3};
+use terrane_planet::globe::lattice::Lattice;
 use terrane_planet::ground::{Elevation, Ground};
-use terrane_planet::lattice::Lattice;
 
 /// Fractal test terrain. Amplitudes follow the wavelength, so that every level has something to say.
 pub(crate) struct TestField {

@@ -5,20 +5,19 @@
 use crate::common::TestField;
 use glam::DVec3;
 use std::collections::HashMap;
+use terrane_planet::draw::cut::{at_data_rim, Cut};
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::draw::tree::{PatchFacts, PatchTree};
+use terrane_planet::draw::view::View;
+use terrane_planet::globe::lattice::Lattice;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::ground::{Ground, HeightGrid};
-use terrane_planet::lattice::Lattice;
-use terrane_planet::patch::PatchId;
-use terrane_planet::progressive::PatchMesh;
-use terrane_planet::reference::cut::{at_data_rim, Cut};
-use terrane_planet::reference::{
-    emit::emit,
-    resolve::resolve,
-    select::{select, Selected},
-};
-use terrane_planet::simplify::builder::Faults;
-use terrane_planet::tree::{PatchFacts, PatchTree};
-use terrane_planet::verify::{LoadedPatch, RandomViews, Rings, SurfaceCheck, SurfaceReport};
-use terrane_planet::view::View;
+use terrane_planet::mesh::builder::Faults;
+use terrane_planet::mesh::progressive::PatchMesh;
+use terrane_planet::reference::emit::emit;
+use terrane_planet::reference::resolve::resolve;
+use terrane_planet::reference::select::{select, Selected};
+use terrane_planet::verify::{RandomViews, Rings, SurfaceCheck, SurfaceReport};
 
 /// All patches, in memory.
 pub(crate) struct Planet {

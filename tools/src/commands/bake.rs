@@ -6,11 +6,12 @@ use crate::Outcome;
 use anyhow::Context;
 use serde_json::json;
 use std::path::PathBuf;
-use terrane_planet::bake::{bake, BakePlan, BakeSummary, Region};
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::mesh::builder::Faults;
+use terrane_planet::planet::bake::{bake, BakePlan, BakeSummary};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::simplify::builder::Faults;
-use terrane_planet::sphere::direction_at;
+use terrane_planet::store::Region;
 use terrane_planet::store::{is_planet_file, PlanetFile};
 
 /// Build the patches of a recipe into a planet file; go on where an earlier bake stopped.

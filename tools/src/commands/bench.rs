@@ -18,10 +18,10 @@ use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
 use terrane::vulkan::GpuInfo;
-use terrane_planet::camera_path::{CameraPath, Keyframe};
+use terrane_planet::draw::camera_path::{CameraPath, Keyframe};
+use terrane_planet::draw::view::{View, TOLERANCE_RANGE};
+use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::sphere::direction_at;
-use terrane_planet::view::{View, TOLERANCE_RANGE};
 
 /// Measure the frames along a camera path: steady costs, after the patches of each frame have been loaded.
 ///

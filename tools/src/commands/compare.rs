@@ -9,11 +9,11 @@ use anyhow::{ensure, Context as _};
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
+use terrane_planet::draw::tree::PatchFacts;
+use terrane_planet::draw::view::{Camera, TOLERANCE_RANGE};
+use terrane_planet::globe::sphere::place_of;
 use terrane_planet::planet::Planet;
-use terrane_planet::sphere::place_of;
 use terrane_planet::store::PlanetFile;
-use terrane_planet::tree::PatchFacts;
-use terrane_planet::view::{Camera, TOLERANCE_RANGE};
 
 /// Compare how many triangles different methods need for the same measured screen error. Needs no GPU.
 ///

@@ -9,7 +9,7 @@ use anyhow::Context;
 use serde_json::{json, Value};
 use std::path::PathBuf;
 use std::time::Instant;
-use terrane_planet::edits::{add, finish, mean_height, undo, Changed};
+use terrane_planet::planet::edits::{add, finish, mean_height, undo, Changed};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::{Edit as GroundEdit, Shape};
 use terrane_planet::store::PlanetFile;

@@ -14,7 +14,7 @@ use terrane::frame::{MESH_STAGES, STAGES};
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
-use terrane_planet::view::{View, TOLERANCE_RANGE};
+use terrane_planet::draw::view::{View, TOLERANCE_RANGE};
 
 /// Draw one view at ever finer tolerances, and see how the times of selection, resolution and emission grow with the awake vertices.
 ///

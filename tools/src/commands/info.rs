@@ -5,8 +5,8 @@ use super::Run;
 use crate::Outcome;
 use serde_json::json;
 use std::path::PathBuf;
+use terrane_planet::globe::sphere::place_of;
 use terrane_planet::planet::Planet;
-use terrane_planet::sphere::place_of;
 use terrane_planet::store::{PatchRecord, PlanetFile, FORMAT_VERSION};
 
 /// Say what a planet file holds.
@@ -59,7 +59,7 @@ impl Run for Info {
                 json!({ "level": l.level, "patches": l.patches, "whole_planet": l.whole,
                     "geometry_bytes": l.geometry, "texture_bytes": l.texture })
             };
-            let region = |r: &terrane_planet::bake::Region| {
+            let region = |r: &terrane_planet::store::Region| {
                 let (latitude, longitude) = place_of(r.direction);
                 json!({ "latitude": latitude, "longitude": longitude, "radius_km": r.radius_m / 1e3, "to_level": r.to_level })
             };

@@ -7,12 +7,12 @@ use anyhow::Context as _;
 use glam::IVec3;
 use serde_json::json;
 use std::path::PathBuf;
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::draw::tree::PatchFacts;
+use terrane_planet::draw::view::View;
 use terrane_planet::export::{origin_near, view_surface, Format, Placed};
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
-use terrane_planet::tree::PatchFacts;
-use terrane_planet::verify::LoadedPatch;
-use terrane_planet::view::View;
 
 /// Where coordinates start from.
 #[derive(clap::ValueEnum, Clone, Copy)]

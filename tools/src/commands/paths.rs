@@ -2,7 +2,7 @@
 
 use anyhow::Context as _;
 use std::path::Path;
-use terrane_planet::camera_path::{CameraPath, Keyframe};
+use terrane_planet::draw::camera_path::{CameraPath, Keyframe};
 
 /// Paths that come with the command.
 const BUILT_IN: [(&str, &str); 3] = [

@@ -11,8 +11,8 @@ use glam::DVec3;
 use half::f16;
 use std::path::Path;
 use terrane::stills::{Pixels, Still};
-use terrane_planet::sphere::place_of;
-use terrane_planet::view::Camera;
+use terrane_planet::draw::view::Camera;
+use terrane_planet::globe::sphere::place_of;
 
 /// What a picture was taken with.
 pub(crate) struct Taken<'a> {

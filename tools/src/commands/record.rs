@@ -15,9 +15,9 @@ use std::time::Instant;
 use terrane::frame::Look;
 use terrane::scene::Scene;
 use terrane::stills::{PixelFormat, Studio};
-use terrane_planet::camera_path::CameraPath;
-use terrane_planet::sphere::direction_at;
-use terrane_planet::view::{View, TOLERANCE_RANGE};
+use terrane_planet::draw::camera_path::CameraPath;
+use terrane_planet::draw::view::{View, TOLERANCE_RANGE};
+use terrane_planet::globe::sphere::direction_at;
 
 /// What the pictures in a folder were recorded with.
 const NOTES: &str = "record.json";

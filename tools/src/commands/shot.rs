@@ -14,7 +14,7 @@ use terrane::frame::STAGES;
 use terrane::scene::Scene;
 use terrane::stills::{PixelFormat, Still, Studio};
 use terrane::vulkan::GpuInfo;
-use terrane_planet::view::View;
+use terrane_planet::draw::view::View;
 
 /// Render one picture of a planet without a window.
 ///

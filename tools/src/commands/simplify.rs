@@ -9,10 +9,11 @@ use serde_json::json;
 use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Instant;
-use terrane_planet::classic::{Cost, Level, Levels};
+use terrane_heightfield::classic::{Cost, Level, Levels};
+use terrane_heightfield::import;
+use terrane_heightfield::import::Imported;
+use terrane_heightfield::Heightfield;
 use terrane_planet::export::{Format, Model};
-use terrane_planet::heightfield::import::{self, Imported};
-use terrane_planet::heightfield::Heightfield;
 
 /// Metres between samples of a file that does not say.
 const DEFAULT_SPACING_M: f64 = 1.0;

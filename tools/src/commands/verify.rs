@@ -14,9 +14,9 @@ use terrane::scene::{Scene, SceneOptions};
 use terrane::verify::screen::ToleranceErrors;
 use terrane::verify::{ground_views, random_views, Perturbation, ScreenErrors, Verifier, VerifyReport, ViewReport, TOLERANCES};
 use terrane::vulkan::GpuInfo;
-use terrane_planet::sphere::place_of;
+use terrane_planet::draw::view::{View, TOLERANCE_RANGE};
+use terrane_planet::globe::sphere::place_of;
 use terrane_planet::verify::{ErrorReadings, Probe, Reading, ScreenError};
-use terrane_planet::view::{View, TOLERANCE_RANGE};
 
 /// Pictures are not drawn: the smallest targets will do.
 const SIZE: (u32, u32) = (16, 16);

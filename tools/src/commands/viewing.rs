@@ -7,13 +7,13 @@ use std::sync::Arc;
 use terrane::frame::{sun_over, Look, DAYLIGHT};
 use terrane::scene::{CacheOptions, OnDemand, SceneOptions};
 use terrane::vulkan::{Context, ContextOptions, GpuChoice, ValidationMessage};
-use terrane_planet::camera_path::Keyframe;
-use terrane_planet::layout::Mode;
+use terrane_planet::draw::camera_path::Keyframe;
+use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::view::{Camera, View, TOLERANCE_RANGE};
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::globe::sun;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::sphere::direction_at;
-use terrane_planet::sun;
-use terrane_planet::view::{Camera, View, TOLERANCE_RANGE};
 
 /// Largest side of a picture in pixels (the smallest limit that Vulkan guarantees is 4,096; most devices allow this).
 const LARGEST_SIDE: u32 = 16_384;

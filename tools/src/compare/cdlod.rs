@@ -15,12 +15,12 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::sync::Arc;
-use terrane_planet::lattice::LatticeBox;
-use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::is_visible;
-use terrane_planet::simplify::mesh::grid_triangles;
+use terrane_heightfield::decimate::mesh::grid_triangles;
+use terrane_planet::draw::cut::is_visible;
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::lattice::LatticeBox;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::store::StoreError;
-use terrane_planet::view::{Camera, View};
 
 /// Share of a range at its far end in which vertices slide (a third of the zone from the next finer range to this one, as in the
 /// paper).

@@ -13,11 +13,11 @@ use super::Method;
 use glam::{DVec3, IVec3, Vec3};
 use meshopt::{clod_build, clod_default_config, ClodBounds, ClodConfig, ClodMesh, SimplifyVertex, VertexDataAdapter};
 use std::sync::Arc;
-use terrane_planet::patch::PatchId;
-use terrane_planet::simplify::mesh::grid_triangles;
+use terrane_heightfield::decimate::mesh::grid_triangles;
+use terrane_planet::draw::view::Camera;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::mesh::certificate::DEVIATION_SHARE;
 use terrane_planet::store::StoreError;
-use terrane_planet::view::Camera;
-use terrane_planet::DEVIATION_SHARE;
 
 /// Where the errors of simplified groups come from.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

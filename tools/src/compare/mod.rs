@@ -25,8 +25,8 @@ use rayon::prelude::*;
 use rtin::Rtin;
 use setting::CutRule;
 use sheet::Sheet;
+use terrane_planet::draw::view::Camera;
 use terrane_planet::store::StoreError;
-use terrane_planet::view::Camera;
 
 pub(crate) use probes::Effort;
 pub(crate) use setting::Setting;

@@ -4,14 +4,15 @@ use super::setting::{CutRule, PatchCache, Setting};
 use super::sheet::Sheet;
 use super::Method;
 use std::sync::Arc;
-use terrane_planet::layout::{DrawnVertex, PatchVertex};
-use terrane_planet::patch::PatchId;
+use terrane_planet::draw::layout::{DrawnVertex, PatchVertex};
+use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::reference::emit::emit;
 use terrane_planet::reference::place::exact_place;
+use terrane_planet::reference::resolve::resolve;
 use terrane_planet::reference::select::{select, Selected};
-use terrane_planet::reference::{emit::emit, resolve::resolve};
 use terrane_planet::store::StoreError;
-use terrane_planet::verify::LoadedPatch;
-use terrane_planet::view::{Camera, View};
 
 /// Wake distances; the knob is the tolerance.
 pub(crate) struct Ours {

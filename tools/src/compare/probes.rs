@@ -7,14 +7,15 @@
 use super::ours::Ours;
 use super::setting::{CutRule, PatchCache, Setting};
 use glam::{DVec3, IVec3};
-use terrane_planet::sphere::Face;
+use terrane_planet::globe::sphere::Face;
 use terrane_planet::store::StoreError;
 
-use terrane_planet::verify::random_views::Random;
+use terrane_planet::globe::random::Random;
 
-use terrane_planet::verify::patch_surface::PatchSurface;
-use terrane_planet::verify::{is_in_view, Ray};
-use terrane_planet::view::{Camera, View};
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::query::rays::patch_surface::PatchSurface;
+use terrane_planet::query::rays::Ray;
+use terrane_planet::verify::is_in_view;
 
 /// Share of the target tolerance with which the patches are chosen whose samples are probed.
 const FINER: f64 = 0.25;

@@ -12,11 +12,11 @@ use super::sheet::Sheet;
 use super::Method;
 use glam::{DVec3, IVec3};
 use std::sync::Arc;
-use terrane_planet::patch::PatchId;
-use terrane_planet::reference::cut::Leaf;
+use terrane_planet::draw::cut::Leaf;
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::mesh::certificate::DEVIATION_SHARE;
 use terrane_planet::store::StoreError;
-use terrane_planet::view::{Camera, View};
-use terrane_planet::DEVIATION_SHARE;
 
 /// No vertex.
 const NONE: u16 = u16::MAX;
@@ -169,7 +169,7 @@ impl Method for Rtin {
 mod tests {
     use super::super::tests::{doubled_area, open_edges_inside};
     use super::*;
-    use terrane_planet::verify::random_views::Random;
+    use terrane_planet::globe::random::Random;
 
     const CELLS: u32 = 16;
 
@@ -206,7 +206,7 @@ mod tests {
             triangles
         };
         let all = hierarchy.triangles(CELLS, &[true; 17 * 17]);
-        assert_eq!(sorted(all), sorted(terrane_planet::simplify::mesh::grid_triangles(CELLS)));
+        assert_eq!(sorted(all), sorted(terrane_heightfield::decimate::mesh::grid_triangles(CELLS)));
         assert_eq!(hierarchy.triangles(CELLS, &[false; 17 * 17]).len(), 2);
     }
 }

@@ -3,14 +3,14 @@
 use glam::{DVec3, IVec3};
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
+use terrane_planet::draw::cut::{cut, cut_by, distance_to_box, finest_cut, is_visible, Leaf};
+use terrane_planet::draw::layout::PatchVertex;
+use terrane_planet::draw::tree::{PatchNode, PatchTree};
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::patch::{PatchId, MAX_LEVEL};
 use terrane_planet::ground::WarpedGrid;
-use terrane_planet::layout::PatchVertex;
-use terrane_planet::patch::{PatchId, MAX_LEVEL};
-use terrane_planet::progressive::PatchMesh;
-use terrane_planet::reference::cut::{cut, cut_by, distance_to_box, finest_cut, is_visible, Leaf};
+use terrane_planet::mesh::progressive::PatchMesh;
 use terrane_planet::store::StoreError;
-use terrane_planet::tree::{PatchNode, PatchTree};
-use terrane_planet::view::{Camera, View};
 
 /// Reads a patch.
 pub(crate) type Source = Box<dyn FnMut(PatchId) -> Result<PatchMesh, StoreError> + Send>;

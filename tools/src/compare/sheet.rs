@@ -6,8 +6,8 @@
 
 use super::probes::{ProbeTree, Probes};
 use glam::DVec3;
-use terrane_planet::sphere::Face;
-use terrane_planet::view::View;
+use terrane_planet::draw::view::View;
+use terrane_planet::globe::sphere::Face;
 
 /// Vertices are rounded to the lattice, so neighbouring triangles of different levels may leave a gap of this many units between
 /// them, in which either one counts as hit.

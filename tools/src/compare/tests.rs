@@ -4,12 +4,12 @@ use super::tuning::{measure, tune, Aim};
 use super::*;
 use glam::DVec3;
 use std::collections::HashMap;
+use terrane_planet::draw::tree::PatchFacts;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::ground::HeightGrid;
-use terrane_planet::patch::PatchId;
+use terrane_planet::mesh::progressive::PatchMesh;
 use terrane_planet::planet::Planet;
-use terrane_planet::progressive::PatchMesh;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::tree::PatchFacts;
 
 /// A small planet, all patches down to a level.
 pub(super) fn small_setting(cells: u32, levels: u8) -> Setting {

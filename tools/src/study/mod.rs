@@ -7,8 +7,8 @@ pub(crate) mod relief;
 pub(crate) mod sheet;
 pub(crate) mod terrain;
 
-use terrane_planet::classic::{progressive_mesh, ClassicError, Cost};
-use terrane_planet::heightfield::{Deviation, Heightfield, TriangleSurface};
+use terrane_heightfield::classic::{progressive_mesh, ClassicError, Cost};
+use terrane_heightfield::{Deviation, Heightfield, TriangleSurface};
 
 /// Face counts of the pictures, coarsest first.
 pub(crate) const PICTURED: [usize; 6] = [35, 100, 250, 600, 1500, 3000];

@@ -4,8 +4,8 @@
 use super::Series;
 use crate::svg::{self, dot, label, logarithmic, polyline, rule, title};
 use std::fmt::Write as _;
-use terrane_planet::classic::Cost;
-use terrane_planet::heightfield::Deviation;
+use terrane_heightfield::classic::Cost;
+use terrane_heightfield::Deviation;
 
 /// Least and greatest faces of the axis.
 const FACES: [f64; 2] = [8.0, 3300.0];

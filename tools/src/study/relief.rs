@@ -3,7 +3,7 @@
 use super::canvas::Canvas;
 use glam::{DVec2, DVec3, Vec3};
 use std::collections::HashSet;
-use terrane_planet::heightfield::TriangleSurface;
+use terrane_heightfield::TriangleSurface;
 
 /// Where the block is looked at from, as a direction: from the south-south-west and above.
 const TOWARDS_EYE: DVec3 = DVec3::new(-0.42, -0.78, 0.62);

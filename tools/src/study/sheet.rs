@@ -4,8 +4,8 @@ use super::canvas::Canvas;
 use super::relief::Frame;
 use super::Series;
 use glam::Vec3;
-use terrane_planet::classic::Cost;
-use terrane_planet::heightfield::Heightfield;
+use terrane_heightfield::classic::Cost;
+use terrane_heightfield::Heightfield;
 
 /// Size of one mesh's picture, in pixels.
 const CELL: [usize; 2] = [284, 184];

@@ -1,7 +1,7 @@
 //! The ground of the study: a curved ridge, a winding valley, the edge of a plateau and a little roughness, so that every kind
 //! of feature that a cost may keep or lose is there once. The same on every machine.
 
-use terrane_planet::heightfield::Heightfield;
+use terrane_heightfield::Heightfield;
 
 /// The study's heightfield: `side` × `side` samples, heights in sample spacings.
 pub(crate) fn study_field(side: usize) -> Heightfield {

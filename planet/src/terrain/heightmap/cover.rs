@@ -3,8 +3,8 @@
 //! In: the samples. Out: a weight for any place between them. Distances go by chamfer steps (Borgefors 1986).
 
 use super::smoothstep;
-use crate::heightfield::Heightfield;
 use std::f64::consts::SQRT_2;
+use terrane_heightfield::Heightfield;
 
 /// Samples over which the map fades in around a gap.
 const FADE: f64 = 6.0;

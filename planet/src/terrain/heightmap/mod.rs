@@ -6,10 +6,12 @@
 mod cover;
 mod place;
 
-use crate::heightfield::import::{self, Imported, Values};
-use crate::recipe::{self, HeightScale, Recipe, RecipeError};
+use crate::recipe;
+use crate::recipe::{HeightScale, Recipe, RecipeError};
 use cover::Cover;
 use place::{Place, Spot};
+use terrane_heightfield::import;
+use terrane_heightfield::import::{Imported, Values};
 
 /// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
 fn smoothstep(edges: [f64; 2], v: f64) -> f64 {

@@ -3,10 +3,10 @@
 //! In: unit directions. Out: column and row as fractions, and a weight that falls to 0 at the edge.
 
 use super::smoothstep;
-use crate::heightfield::import::{GeographicGrid, Imported};
 use crate::recipe::Placement;
-use crate::terrain::angles::{atan2, sin_cos};
 use std::f64::consts::PI;
+use terrane_heightfield::angles::{atan2, sin_cos};
+use terrane_heightfield::import::{GeographicGrid, Imported};
 
 /// Share of a map's side over which it blends with the ground unless the recipe says otherwise.
 const BLEND_SHARE: f64 = 0.1;

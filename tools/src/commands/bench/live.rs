@@ -10,8 +10,8 @@ use terrane::headless::Headless;
 use terrane::measure::live::{LiveFaults, LiveFlight, LiveFrame};
 use terrane::scene::Scene;
 use terrane::vulkan::Context;
-use terrane_planet::camera_path::{CameraPath, Keyframe};
-use terrane_planet::view::View;
+use terrane_planet::draw::camera_path::{CameraPath, Keyframe};
+use terrane_planet::draw::view::View;
 
 /// Frames at the end of the path after which nothing more is waited for.
 const MOST_FRAMES_AT_END: usize = 20_000;

@@ -3,8 +3,8 @@
 
 use serde_json::{json, Value};
 use terrane::measure::FrameCost;
+use terrane_planet::draw::view::View;
 use terrane_planet::planet::Planet;
-use terrane_planet::view::View;
 
 /// A change of a view of a planet.
 pub(super) type Change = fn(View, &Planet) -> View;

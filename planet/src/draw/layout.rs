@@ -1,0 +1,431 @@
+//! Every structure that the GPU sees, declared once. The GLSL in `shaders/shared/layout.glsl` is generated from here; a test
+//! regenerates and compares it, and a device test reads every member back.
+//!
+//! All members are 32-bit words and blocks use the scalar layout, so Rust's `repr(C)` and GLSL agree without padding.
+
+use crate::globe::lattice::Lattice;
+use crate::ground::WarpedGrid;
+use crate::mesh::progressive::PatchMesh;
+use crate::mesh::wake::Wake;
+use bytemuck::{Pod, Zeroable};
+use std::fmt::Write;
+use terrane_heightfield::decimate::star::LEAST_AREA;
+
+/// A type that can be a member of a GPU structure.
+pub trait GlslMember {
+    /// GLSL declaration of a member of this type.
+    fn declare(name: &str) -> String;
+    /// GLSL expressions of all 32-bit words of a member.
+    fn words(name: &str) -> Vec<String>;
+}
+
+macro_rules! glsl_members {
+    ($($rust:ty => $glsl:literal, $suffix:literal, [$($word:literal),*];)*) => {$(
+        impl GlslMember for $rust {
+            fn declare(name: &str) -> String {
+                format!("{} {name}{};", $glsl, $suffix)
+            }
+            fn words(name: &str) -> Vec<String> {
+                vec![$(format!(concat!("{}", $word), name)),*]
+            }
+        }
+    )*};
+}
+
+glsl_members! {
+    u32 => "uint", "", [""];
+    i32 => "int", "", [""];
+    f32 => "float", "", [""];
+    [u32; 2] => "uvec2", "", [".x", ".y"];
+    [i32; 3] => "ivec3", "", [".x", ".y", ".z"];
+    [f32; 2] => "vec2", "", [".x", ".y"];
+    [f32; 3] => "vec3", "", [".x", ".y", ".z"];
+    [f32; 4] => "vec4", "", [".x", ".y", ".z", ".w"];
+    [[f32; 3]; 5] => "vec3", "[5]", ["[0].x", "[0].y", "[0].z", "[1].x", "[1].y", "[1].z", "[2].x", "[2].y", "[2].z",
+        "[3].x", "[3].y", "[3].z", "[4].x", "[4].y", "[4].z"];
+    [[f32; 4]; 4] => "mat4", "", ["[0].x", "[0].y", "[0].z", "[0].w", "[1].x", "[1].y", "[1].z", "[1].w",
+        "[2].x", "[2].y", "[2].z", "[2].w", "[3].x", "[3].y", "[3].z", "[3].w"];
+}
+
+macro_rules! gpu_structs {
+    ($($(#[$meta:meta])* $name:ident { $($(#[$member_meta:meta])* $member:ident: $ty:ty,)* })*) => {
+        $($(#[$meta])*
+        #[repr(C)]
+        #[derive(Clone, Copy, Debug, Default, PartialEq, Pod, Zeroable)]
+        pub struct $name {
+            $($(#[$member_meta])* pub $member: $ty,)*
+        })*
+
+        /// Name, members as GLSL declarations, and the words of every member, of every structure.
+        fn structures() -> Vec<(&'static str, Vec<String>, Vec<String>)> {
+            vec![$((
+                stringify!($name),
+                vec![$(<$ty as GlslMember>::declare(stringify!($member))),*],
+                [$(<$ty as GlslMember>::words(stringify!($member))),*].concat(),
+            )),*]
+        }
+    };
+}
+
+gpu_structs! {
+    /// One vertex of a patch, in wake order.
+    PatchVertex {
+        /// Lattice position.
+        position: [i32; 3],
+        /// Grid number (low half) and own wake (high half).
+        grid_own: u32,
+        /// Parent's place (low half) and wake beside a coarser neighbour (high half).
+        parent_coarser: u32,
+    }
+
+    /// One patch to select, emit and draw this frame.
+    PatchDraw {
+        /// Device address of its vertices.
+        vertices: [u32; 2],
+        /// Device address of its triangles, those of all index levels.
+        triangles: [u32; 2],
+        /// Vertices to select and resolve: the prefix that the view looks at.
+        vertex_count: u32,
+        /// First word of its awake bits.
+        awake_offset: u32,
+        /// First entry of its resolved and of its drawn vertices.
+        resolve_offset: u32,
+        /// Sides with a coarser neighbour, bits in order left, right, bottom, top.
+        coarser_sides: u32,
+        /// Quadtree level.
+        level: u32,
+        /// Texture layer.
+        layer: u32,
+        /// Texture layer of the parent patch, or NO_LAYER.
+        parent_layer: u32,
+        /// Which quarter of the parent it is, as column and row.
+        quarter: [u32; 2],
+        /// Distance in metres at which its own texture begins to fade in over the parent's.
+        fade_distance: f32,
+        /// Distance in metres at which one of its texels covers one pixel.
+        texel_distance: f32,
+        /// Cube axis that the face's first grid coordinate follows.
+        grid_axis: [f32; 3],
+    }
+
+    /// Where a vertex is drawn. One that sleeps is not, and has its own place and a weight of 1 here.
+    DrawnVertex {
+        /// Lattice units from the eye of the view that it was selected in.
+        place: [f32; 3],
+        /// Morph weight: 0 in its own place, up to 1 in its parent's.
+        weight: f32,
+    }
+
+    /// A run of work of one workgroup: a patch, and which of its vertices or triangles.
+    Task {
+        /// Number of the patch in the table of draws.
+        patch_number: u32,
+        /// First vertex or triangle.
+        first: u32,
+        /// One past the last.
+        end: u32,
+    }
+
+    /// The view, as selection and drawing see it. Lengths in lattice units unless said otherwise.
+    FrameView {
+        /// Lattice point near the camera.
+        anchor: [i32; 3],
+        /// Bits of the CULL_ flags.
+        culling: u32,
+        /// Camera minus anchor.
+        offset: [f32; 3],
+        /// s = κ₀ / κ: a vertex is in its own place within this times its wake.
+        scale: f32,
+        /// Outward normals of the frustum's four sides and of the plane through the camera, facing backwards.
+        planes: [[f32; 3]; 5],
+        /// Weight of the distance outside the frustum (G).
+        falloff: f32,
+        /// The eye's vertical.
+        up: [f32; 3],
+        /// Weight of how far below the eye a place lies, in the orientation term; 0 without the term.
+        height_weight: f32,
+        /// Weight of how far aside it lies.
+        side_weight: f32,
+        /// A vertex is awake within this times its wake: `scale`, or MORPH_REACH times that with geomorphs.
+        reach: f32,
+        /// 1 / (reach - scale): how fast a vertex slides to its parent's place beyond `scale`. 0 without geomorphs.
+        morph_rate: f32,
+        /// Grid cells along a patch side.
+        cells: u32,
+        /// From the eye to the eye of the view that the drawn mesh was selected in; 0 unless the selection is frozen.
+        shift: [f32; 3],
+        /// Metres in a lattice unit.
+        unit: f32,
+        /// Near plane in metres.
+        near: f32,
+        /// Camera-relative metres to clip space.
+        clip: [[f32; 4]; 4],
+    }
+
+    /// Everything shading needs. Metres; directions are planet-fixed.
+    Shading {
+        /// Camera from the planet's centre.
+        camera: [f32; 3],
+        /// One of the MODE_ constants.
+        mode: u32,
+        /// Towards the sun.
+        sun: [f32; 3],
+        /// Camera's height above the datum, with more precision than `camera` holds.
+        altitude: f32,
+        /// Right, in units of tan(half the horizontal field of view).
+        right: [f32; 3],
+        /// Planet radius (datum).
+        radius: f32,
+        /// Up, in units of tan(half the vertical field of view).
+        up: [f32; 3],
+        /// Sea level above the datum; NO_SEA without a sea.
+        sea_level: f32,
+        /// View direction.
+        forward: [f32; 3],
+        /// Scale height of the air; 0 without an atmosphere.
+        scale_height: f32,
+        /// Rayleigh scattering at the datum, per metre.
+        rayleigh: [f32; 3],
+        /// Scale height of haze.
+        mie_scale_height: f32,
+        /// Mie scattering at the datum, per metre.
+        mie: [f32; 3],
+        /// Asymmetry of Mie scattering.
+        mie_g: f32,
+        /// Mie scattering and absorption at the datum, per metre.
+        mie_extinction: [f32; 3],
+        /// Height above the datum of the middle of the ozone layer.
+        ozone_height: f32,
+        /// Absorption in the middle of the ozone layer, per metre.
+        ozone: [f32; 3],
+        /// Height in metres from the middle of the ozone layer to its edge.
+        ozone_reach: f32,
+        /// Colour of shallow water, linear.
+        shallow: [f32; 3],
+        /// Height above the datum of the lowest surface that air lies on.
+        air_bottom: f32,
+        /// Colour of deep water, linear.
+        deep: [f32; 3],
+        /// Height in metres of the atmosphere's upper edge above the datum.
+        air_top: f32,
+        /// The eye's vertical.
+        vertical: [f32; 3],
+        /// Latitude in radians at which the eye, or from outside the place where a ray enters the air, sees the horizon of `air_bottom`.
+        horizon: f32,
+        /// Horizontally towards the sun from the eye; any horizontal direction where the sun is overhead.
+        sunward: [f32; 3],
+        /// Picture size in pixels.
+        size: [f32; 2],
+        /// The part of the picture that is drawn: left, top, width and height in pixels.
+        window: [f32; 4],
+        /// Reflectance of the ground, for light that is scattered more than once.
+        ground_albedo: f32,
+        /// Factor from radiance to display; where exposure is metered, a factor on that.
+        exposure: f32,
+        /// How far the metered exposure goes to its goal in this frame, from 0 to 1; negative where exposure is fixed.
+        adaptation: f32,
+        /// Seconds, for things that move by themselves; 0 in still pictures.
+        time: f32,
+        /// The camera's place in metres, less whole periods of REPEAT_M: what repeats stays where it is.
+        anchor: [f32; 3],
+        /// Variance of all slopes of the sea.
+        sea_variance: f32,
+        /// Height of the clouds above the datum in metres.
+        cloud_height: f32,
+        /// Optical depth of clouds where they are thickest; 0: there are none.
+        cloud_depth: f32,
+    }
+
+    /// Counters that emission appends with, and the indirect draw they become.
+    EmitState {
+        /// Triangles wanted, whether they fitted or not.
+        wanted: u32,
+        /// Triangles the index buffer holds.
+        capacity: u32,
+        /// Awake vertices of all patches (border vertices count once for each patch).
+        awake: u32,
+        /// `VkDrawIndexedIndirectCommand`.
+        index_count: u32,
+        /// Always 1.
+        instance_count: u32,
+        /// Always 0.
+        first_index: u32,
+        /// Always 0.
+        vertex_offset: i32,
+        /// Always 0.
+        first_instance: u32,
+    }
+}
+
+/// Triangles outside one frustum plane are not emitted.
+pub const CULL_FRUSTUM: u32 = 1;
+/// Triangles that face away from the camera are not emitted.
+pub const CULL_BACK: u32 = 2;
+/// Texture layer of a patch without one.
+pub const NO_LAYER: u32 = u32::MAX;
+/// Sea level of a planet without a sea.
+pub const NO_SEA: f32 = -1e30;
+/// Bits of an emitted index that name the vertex; the rest name the patch.
+pub const VERTEX_BITS: u32 = 15;
+/// Most patches a frame can draw (the rest of an emitted index, short of the restart value).
+pub const MAX_PATCHES: u32 = (1 << (32 - VERTEX_BITS)) - 1;
+/// Vertices a workgroup selects.
+pub const SELECT_CHUNK: u32 = 1024;
+/// Vertices a workgroup resolves.
+pub const RESOLVE_CHUNK: u32 = 256;
+/// Triangles a workgroup emits.
+pub const EMIT_CHUNK: u32 = 256;
+
+/// How ground is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Mode {
+    /// Lit ground.
+    Shaded = 0,
+    /// Lit ground under the mesh's edges.
+    Wire = 1,
+    /// Patch levels by colour, lit.
+    Levels = 2,
+    /// Normals as colour.
+    Normals = 3,
+    /// Albedo, unlit.
+    Albedo = 4,
+    /// Distance on a logarithmic grey scale.
+    Depth = 5,
+}
+
+impl Mode {
+    /// Whether the picture shows numbers as colours, not light.
+    pub fn is_diagram(self) -> bool {
+        matches!(self, Mode::Normals | Mode::Albedo | Mode::Depth)
+    }
+}
+
+impl PatchVertex {
+    /// The vertices of a patch as the GPU sees them.
+    pub fn of_patch(mesh: &PatchMesh, lattice: &Lattice) -> Vec<PatchVertex> {
+        let row = mesh.cells as usize + 1;
+        let grid = WarpedGrid::new(mesh.id, 0..=mesh.cells as i32, mesh.cells);
+        let convert = |v: &crate::mesh::progressive::Vertex| PatchVertex {
+            position: lattice.position(grid.direction(usize::from(v.grid) % row, usize::from(v.grid) / row), v.height).to_array(),
+            grid_own: u32::from(v.grid) | u32::from(v.own.code()) << 16,
+            parent_coarser: u32::from(v.parent) | u32::from(v.coarser.code()) << 16,
+        };
+        mesh.vertices.iter().map(convert).collect()
+    }
+
+    /// Grid number.
+    pub fn grid(&self) -> u32 {
+        self.grid_own & 0xffff
+    }
+
+    /// Place of the vertex it collapses into.
+    pub fn parent(&self) -> u32 {
+        self.parent_coarser & 0xffff
+    }
+
+    /// The larger of its two wakes.
+    pub fn wake(&self) -> Wake {
+        Wake::from_code((self.grid_own.max(self.parent_coarser) >> 16) as u16)
+    }
+}
+
+/// The generated GLSL: all structures and shared constants.
+pub fn glsl() -> String {
+    let mut text = String::from(
+        "// Generated from planet/src/layout.rs; regenerate with TERRANE_UPDATE=1 cargo test -p terrane-planet layout.\n\n\
+         #ifndef TERRANE_LAYOUT\n#define TERRANE_LAYOUT\n\n",
+    );
+    for (name, members, _) in structures() {
+        let _ = writeln!(text, "struct {name} {{\n    {}\n}};\n", members.join("\n    "));
+    }
+    let constants = [
+        ("CULL_FRUSTUM", CULL_FRUSTUM),
+        ("CULL_BACK", CULL_BACK),
+        ("NO_LAYER", NO_LAYER),
+        ("VERTEX_BITS", VERTEX_BITS),
+        ("SELECT_CHUNK", SELECT_CHUNK),
+        ("RESOLVE_CHUNK", RESOLVE_CHUNK),
+        ("MODE_SHADED", Mode::Shaded as u32),
+        ("MODE_WIRE", Mode::Wire as u32),
+        ("MODE_LEVELS", Mode::Levels as u32),
+        ("MODE_NORMALS", Mode::Normals as u32),
+        ("MODE_ALBEDO", Mode::Albedo as u32),
+        ("MODE_DEPTH", Mode::Depth as u32),
+        ("TEXTURE_GUTTER", crate::ground::GUTTER as u32),
+        ("WAKE_ALWAYS", u32::from(Wake::ALWAYS.code())),
+    ];
+    for (name, value) in constants {
+        let _ = writeln!(text, "const uint {name} = {value}u;");
+    }
+    let _ = writeln!(text, "const float NO_SEA = {NO_SEA:e};");
+    let _ = writeln!(text, "const float SHORE_RANGE = {:?};", crate::ground::texture::SHORE_RANGE);
+    let _ = writeln!(text, "const float REPEAT_M = {:?};", crate::maps::waves::REPEAT_M);
+    let copies = crate::maps::waves::CASCADES.map(|cascade| format!("{:?}", f64::from(cascade.copies)));
+    let _ = writeln!(text, "const float WAVE_COPIES[{}] = float[]({});", copies.len(), copies.join(", "));
+    text.push_str("\n#endif\n");
+    text
+}
+
+/// GLSL of a compute shader that copies every word of one of each structure into a buffer, in order.
+pub fn probe_glsl() -> String {
+    let mut text = String::from(
+        "#version 460\n// Generated from planet/src/layout.rs: reads every member of every structure back (tests only).\n\
+         #extension GL_EXT_scalar_block_layout : require\n#include \"layout.glsl\"\n\nlayout(local_size_x = 1) in;\n",
+    );
+    let mut body = String::new();
+    for (binding, (name, _, words)) in structures().into_iter().enumerate() {
+        let variable = name.to_lowercase();
+        let _ = writeln!(text, "layout(scalar, binding = {binding}) readonly buffer {name}Block {{ {name} {variable}; }};");
+        for word in words {
+            let _ = writeln!(body, "    words[at++] = bits({variable}.{word});");
+        }
+    }
+    let binding = structures().len();
+    let _ = writeln!(text, "layout(scalar, binding = {binding}) writeonly buffer Words {{ uint words[]; }};\n");
+    text.push_str("uint bits(uint x) { return x; }\nuint bits(int x) { return uint(x); }\nuint bits(float x) { return floatBitsToUint(x); }\n\n");
+    let _ = writeln!(text, "void main() {{\n    uint at = 0u;\n{body}}}");
+    text
+}
+
+/// Words (32-bit) of each structure in the order of [`probe_glsl`]'s bindings.
+pub fn probe_words() -> Vec<(&'static str, usize)> {
+    structures().into_iter().map(|(name, _, words)| (name, words.len())).collect()
+}
+
+// Grid numbers and emitted vertices must fit their bits.
+const _: () = assert!((crate::globe::patch::MAX_CELLS + 1) * (crate::globe::patch::MAX_CELLS + 1) <= 1 << VERTEX_BITS);
+const _: () = assert!(LEAST_AREA > 0.0);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn structures_have_no_padding() {
+        let sizes = [
+            size_of::<PatchVertex>(),
+            size_of::<PatchDraw>(),
+            size_of::<DrawnVertex>(),
+            size_of::<Task>(),
+            size_of::<FrameView>(),
+            size_of::<Shading>(),
+            size_of::<EmitState>(),
+        ];
+        let words: Vec<usize> = probe_words().into_iter().map(|(_, words)| 4 * words).collect();
+        assert_eq!(words, sizes);
+    }
+
+    #[test]
+    fn generated_shader_code_is_up_to_date() {
+        let shaders = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
+        for (file, text) in [("shared/layout.glsl", glsl()), ("layout_probe.comp", probe_glsl())] {
+            let path = shaders.join(file);
+            if std::env::var_os("TERRANE_UPDATE").is_some() {
+                std::fs::write(&path, &text).unwrap();
+            }
+            let found = std::fs::read_to_string(&path).unwrap_or_default();
+            assert!(found == text, "{} is out of date: run the tests once with TERRANE_UPDATE=1", path.display());
+        }
+    }
+}

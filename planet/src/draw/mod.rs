@@ -1,0 +1,11 @@
+//! What a view draws: cameras and views, what is known of stored patches, the cut through the quadtrees, how much of each patch is
+//! looked at, and every structure that the GPU sees.
+
+pub mod camera_path;
+pub mod cut;
+pub mod layout;
+pub mod loaded_patch;
+pub mod orientation;
+pub mod tree;
+pub mod view;
+pub mod work;

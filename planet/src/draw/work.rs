@@ -1,0 +1,115 @@
+//! What a view has to look at of a patch: a prefix of its vertices to select and resolve, and the triangles that emission begins
+//! with. Runs on the CPU, as the cut does, for every patch that is in sight.
+//!
+//! In: a view, and of the patch how far away its vertices can be awake. Out: [`Work`]. Whatever a view leaves out, it leaves out
+//! because it is asleep for certain, so the drawn triangles are those that all vertices and all triangles would give.
+
+use super::cut::distance_to_box;
+use super::layout::PatchVertex;
+use super::view::View;
+use crate::globe::lattice::LatticeBox;
+use crate::mesh::progressive::index_levels::{tile_of_cell, IndexLevel, IndexLevels, TILES};
+use crate::mesh::wake::Wake;
+use glam::IVec3;
+use std::ops::Range;
+
+/// What a view looks at of one patch.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Work {
+    /// Vertices from the start of the wake order: all that can be awake, and all corners of the triangles.
+    pub vertices: u32,
+    /// Triangles in the patch's lists, as runs that do not touch.
+    pub triangles: Vec<Range<u32>>,
+}
+
+impl Work {
+    /// Number of triangles.
+    pub fn triangle_count(&self) -> u32 {
+        self.triangles.iter().map(|run| run.end - run.start).sum()
+    }
+}
+
+/// From how far away the vertices of a patch can be awake: what decides how much of it a view looks at.
+#[derive(Clone, Debug)]
+pub struct Reach {
+    levels: Vec<IndexLevel>,
+    /// For every level, what each of its tiles leaves out.
+    beyond: Vec<[Beyond; TILES]>,
+}
+
+/// The vertices that one tile leaves out at some level: of all that its grid vertices can be drawn as, those behind the prefix.
+#[derive(Clone, Copy, Debug)]
+struct Beyond {
+    bounds: LatticeBox,
+    /// The largest wake among them.
+    wake: Wake,
+}
+
+impl Beyond {
+    const NOTHING: Beyond = Beyond { bounds: LatticeBox::EMPTY, wake: Wake::ASLEEP };
+
+    fn include(&mut self, vertex: &PatchVertex) {
+        self.bounds.include(IVec3::from_array(vertex.position));
+        self.wake = self.wake.max(vertex.wake());
+    }
+
+    /// Whether all of it sleeps in a view. The selection distance is taken a little nearer than true, for the rounding of f32
+    /// selection.
+    fn sleeps(&self, view: &View) -> bool {
+        let nearest = || distance_to_box(view, &self.bounds) * (1.0 - 1e-5);
+        self.wake == Wake::ASLEEP || nearest() > view.reach * self.wake.distance()
+    }
+}
+
+impl Reach {
+    /// The reach of a patch with its triangle lists.
+    pub fn new(vertices: &[PatchVertex], cells: u32, lists: &IndexLevels) -> Reach {
+        let tiles = tiles_of(vertices, cells as usize);
+        let mut end = vertices.len();
+        let mut beyond = [Beyond::NOTHING; TILES];
+        let leave_out = |level: &IndexLevel| {
+            for k in level.vertices as usize..end {
+                let used_by = |tile: &usize| tiles[k] >> tile & 1 == 1;
+                (0..TILES).filter(used_by).for_each(|tile| beyond[tile].include(&vertices[k]));
+            }
+            end = level.vertices as usize;
+            beyond
+        };
+        Reach { levels: lists.levels.clone(), beyond: lists.levels.iter().map(leave_out).collect() }
+    }
+
+    /// What a view looks at: every tile from the coarsest level whose left-out vertices all sleep.
+    pub fn work(&self, view: &View) -> Work {
+        let mut work = Work::default();
+        for tile in 0..TILES {
+            // A coarser level leaves out whatever a finer one does. The finest leaves out nothing.
+            let fine_enough = self.beyond.partition_point(|level| level[tile].sleeps(view));
+            let level = &self.levels[fine_enough.saturating_sub(1)];
+            work.vertices = work.vertices.max(level.vertices);
+            let run = level.tile(tile);
+            match work.triangles.last_mut() {
+                Some(last) if last.end == run.start => last.end = run.end,
+                _ if run.is_empty() => {}
+                _ => work.triangles.push(run),
+            }
+        }
+        work
+    }
+}
+
+/// For every vertex, the tiles (as bits) with a grid vertex that can be drawn as it: its own tiles, and those of all that fall to it.
+fn tiles_of(vertices: &[PatchVertex], cells: usize) -> Vec<u32> {
+    let around = |at: usize| [at.saturating_sub(1), at.min(cells - 1)];
+    let own = |vertex: &PatchVertex| {
+        let (column, row) = (vertex.grid() as usize % (cells + 1), vertex.grid() as usize / (cells + 1));
+        let tiles = around(column).into_iter().flat_map(|c| around(row).map(|r| tile_of_cell(c, r, cells)));
+        tiles.fold(0u32, |bits, tile| bits | 1 << tile)
+    };
+    let mut tiles: Vec<u32> = vertices.iter().map(own).collect();
+    // Children come after their parents, so one pass from the end settles all.
+    for k in (0..vertices.len()).rev() {
+        let bits = tiles[k];
+        tiles[vertices[k].parent() as usize] |= bits;
+    }
+    tiles
+}

@@ -1,0 +1,222 @@
+//! Ground samples: heights over cube points, quantised to the lattice.
+
+pub mod horizon;
+pub mod texture;
+
+use crate::globe::lattice::Lattice;
+use crate::globe::patch::PatchId;
+use crate::globe::sphere::{direction, normalise, warp_component, CubePoint, Face};
+use glam::{DVec3, IVec3};
+use std::ops::RangeInclusive;
+
+/// Terrain as a pure function of direction. Implementations use only exactly rounded operations, so that every machine
+/// computes the same bytes, and give the same bits however the directions are grouped into calls.
+pub trait Elevation: Sync {
+    /// Heights in metres above the datum for unit directions. `heights` is as long as `directions`.
+    fn heights(&self, directions: &[DVec3], heights: &mut [f64]);
+}
+
+/// A point whose ground colour is asked for.
+#[derive(Clone, Copy, Debug)]
+pub struct GroundPoint {
+    /// Unit direction.
+    pub direction: DVec3,
+    /// Height in metres above the datum.
+    pub height: f64,
+    /// Tangent of the slope angle.
+    pub slope: f64,
+    /// How much the ground rises a metre towards the north pole.
+    pub north: f64,
+    /// Metres between neighbouring points that are asked for: what is finer cannot be shown. 0 if there are none.
+    pub spacing: f64,
+}
+
+/// Colour of bare ground as a pure function of place, height and slope.
+pub trait GroundColour: Sync {
+    /// Height of the sea's surface in metres above the datum, if there is a sea.
+    fn sea_level(&self) -> Option<f64> {
+        None
+    }
+
+    /// sRGB-encoded albedo of each point.
+    fn albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]);
+}
+
+/// Rows of texture samples beyond each side of a patch, in half cells (see [`self::texture`]).
+pub const GUTTER: i32 = 4;
+
+/// A point of the ground in lattice units.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SurfacePoint {
+    /// Exact lattice position: every component is a whole number. Distances are measured between these.
+    pub position: DVec3,
+    /// The same before rounding, exactly above its cube point. Errors are measured between these.
+    pub ideal: DVec3,
+}
+
+/// A planet's terrain on its lattice, with the grid density of its patches.
+#[derive(Clone, Copy)]
+pub struct Ground<'a> {
+    /// Height function.
+    pub elevation: &'a dyn Elevation,
+    /// Lattice of the planet.
+    pub lattice: Lattice,
+    /// Grid cells along a patch side, a power of two.
+    pub cells: u32,
+}
+
+impl Ground<'_> {
+    /// Quantised heights of directions.
+    pub fn quantised(&self, directions: &[DVec3]) -> Vec<i32> {
+        self.metres(directions).into_iter().map(|h| self.lattice.quantise_height(h)).collect()
+    }
+
+    /// Heights of directions in metres.
+    pub fn metres(&self, directions: &[DVec3]) -> Vec<f64> {
+        let mut heights = vec![0.0; directions.len()];
+        self.elevation.heights(directions, &mut heights);
+        heights
+    }
+
+    /// Points of the ground over cube points.
+    pub fn points(&self, points: &[CubePoint]) -> Vec<SurfacePoint> {
+        let directions: Vec<DVec3> = points.iter().map(|&p| direction(p)).collect();
+        let heights = self.quantised(&directions);
+        let place = |(&d, h): (&DVec3, i32)| SurfacePoint {
+            position: self.lattice.position(d, h).as_dvec3(),
+            ideal: d * (self.lattice.radius + f64::from(h)),
+        };
+        directions.iter().zip(heights).map(place).collect()
+    }
+
+    /// Cube units between neighbouring samples of a level (a level below the deepest is fine: half cells are whole units).
+    pub fn step(&self, level: u8) -> i32 {
+        ((1i64 << 31) / (i64::from(self.cells) << level)) as i32
+    }
+}
+
+/// The directions of a patch's samples, with the warp evaluated once a column and once a row.
+pub struct WarpedGrid {
+    /// Warped face coordinates of the columns.
+    pub columns: Vec<f64>,
+    /// Warped face coordinates of the rows.
+    pub rows: Vec<f64>,
+    face: Face,
+}
+
+impl WarpedGrid {
+    /// The samples of a patch at the given steps along both sides, `parts` steps being a whole side.
+    pub fn new(id: PatchId, steps: RangeInclusive<i32>, parts: u32) -> WarpedGrid {
+        let (u, v) = id.face.grid_axes();
+        WarpedGrid {
+            columns: steps.clone().map(|a| warp_component(id.point(a, 0, parts)[u])).collect(),
+            rows: steps.map(|b| warp_component(id.point(0, b, parts)[v])).collect(),
+            face: id.face,
+        }
+    }
+
+    /// Unit direction of the sample in a column and a row, the same bits as [`direction`] of its cube point.
+    #[inline(always)]
+    pub fn direction(&self, column: usize, row: usize) -> DVec3 {
+        let (u, v) = self.face.grid_axes();
+        let mut point = [0.0; 3];
+        point[u] = self.columns[column];
+        point[v] = self.rows[row];
+        point[self.face.normal_axis()] = f64::from(self.face.sign());
+        normalise(point[0], point[1], point[2])
+    }
+}
+
+/// The samples of a square grid in strips of a few rows, column by column: any run of some tens of them lies close together, which
+/// is what terrain is evaluated fastest for.
+pub(crate) fn strips(side: usize) -> Vec<usize> {
+    const ROWS: usize = 8;
+    let strip = |first: usize| {
+        let rows = first..(first + ROWS).min(side);
+        (0..side).flat_map(move |column| rows.clone().map(move |row| row * side + column))
+    };
+    (0..side).step_by(ROWS).flat_map(strip).collect()
+}
+
+/// Directions of a row of samples; wide instructions give the same bits, see [`crate::terrain`]. Each coordinate by itself first:
+/// places in memory that take turns would keep the division from being vectorised.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn fill_directions(warped: &WarpedGrid, row: usize, directions: &mut [DVec3]) {
+    const RUN: usize = 32;
+    let (u, v) = warped.face.grid_axes();
+    let mut point = [[f64::from(warped.face.sign()); RUN]; 3];
+    point[v] = [warped.rows[row]; RUN];
+    for (columns, directions) in warped.columns.chunks(RUN).zip(directions.chunks_mut(RUN)) {
+        point[u][..columns.len()].copy_from_slice(columns);
+        let [x, y, z] = &point;
+        let mut found = [[0.0; RUN]; 3];
+        for i in 0..RUN {
+            let unit = normalise(x[i], y[i], z[i]);
+            (found[0][i], found[1][i], found[2][i]) = (unit.x, unit.y, unit.z);
+        }
+        for (i, direction) in directions.iter_mut().enumerate() {
+            *direction = DVec3::new(found[0][i], found[1][i], found[2][i]);
+        }
+    }
+}
+
+/// Heights in whole lattice units.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn quantise(lattice: &Lattice, metres: &[f64], heights: &mut [i32]) {
+    for (height, &metres) in heights.iter_mut().zip(metres) {
+        *height = lattice.quantise_height(metres);
+    }
+}
+
+/// All height samples of one patch: every half cell of the patch and [`GUTTER`] half cells beyond each side.
+pub struct HeightGrid {
+    /// Samples a side.
+    pub side: usize,
+    /// Heights in metres, row by row.
+    pub metres: Vec<f64>,
+    /// The same in whole lattice units.
+    pub heights: Vec<i32>,
+    /// Directions of the samples, row by row.
+    pub directions: Vec<DVec3>,
+    /// Columns and rows of the samples.
+    pub warped: WarpedGrid,
+}
+
+impl HeightGrid {
+    /// Samples a patch.
+    pub fn sample(ground: &Ground, id: PatchId) -> HeightGrid {
+        let parts = 2 * ground.cells;
+        let range = -GUTTER..=parts as i32 + GUTTER;
+        let side = (parts as i32 + 2 * GUTTER + 1) as usize;
+        let warped = WarpedGrid::new(id, range, parts);
+        let mut directions = vec![DVec3::ZERO; side * side];
+        for (row, directions) in directions.chunks_exact_mut(side).enumerate() {
+            fill_directions(&warped, row, directions);
+        }
+        let order = strips(side);
+        let ordered: Vec<DVec3> = order.iter().map(|&k| directions[k]).collect();
+        let mut metres = vec![0.0; side * side];
+        for (&k, height) in order.iter().zip(ground.metres(&ordered)) {
+            metres[k] = height;
+        }
+        let mut heights = vec![0; side * side];
+        quantise(&ground.lattice, &metres, &mut heights);
+        HeightGrid { side, metres, heights, directions, warped }
+    }
+
+    /// Index of the sample `a` half cells along and `b` half cells up from the patch's first corner.
+    pub fn index(&self, a: i32, b: i32) -> usize {
+        (b + GUTTER) as usize * self.side + (a + GUTTER) as usize
+    }
+
+    /// Quantised height of a half-cell sample.
+    pub fn height(&self, a: i32, b: i32) -> i32 {
+        self.heights[self.index(a, b)]
+    }
+
+    /// Lattice position of a half-cell sample.
+    pub fn position(&self, lattice: &Lattice, a: i32, b: i32) -> IVec3 {
+        let index = self.index(a, b);
+        lattice.position(self.directions[index], self.heights[index])
+    }
+}

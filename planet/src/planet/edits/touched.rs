@@ -1,0 +1,111 @@
+//! Which patches an edit touches: all whose bytes may depend on the ground within its reach.
+//!
+//! A patch depends on more ground than it covers:
+//!
+//! * its texture's gutters, [`GUTTER`](crate::ground::GUTTER) half cells beyond each side: two cells, and so 2 √2 at its corners;
+//! * the canonical wakes of its sides, on lines of its own level and of two finer ones: one cell to either side of the side;
+//! * on sides that its parent shares, those of the *parent's* whole side, with one of the parent's cells to either side: two of its own.
+//!
+//! So: its square, and the sides of its parent that it lies on, all widened by [`MARGIN_CELLS`] of its cells. In: edits and patch ids.
+//! Out: yes or no; a yes too many costs the time to build the same bytes again.
+
+use crate::globe::patch::{PatchId, Side};
+use crate::globe::sphere::{direction, warp_component};
+use crate::recipe::Edit;
+use crate::terrain::edits::centre;
+use glam::DVec3;
+use std::f64::consts::FRAC_PI_2;
+
+/// Width of the margin in mean cells: 2 √2 cells, the largest of which is 3 % wider than the mean, and some room for rounding.
+const MARGIN_CELLS: f64 = 3.2;
+
+/// The ground within reach of one edit.
+pub(super) struct Touched {
+    centre: DVec3,
+    /// As a chord of the unit sphere.
+    reach: f64,
+    cells: u32,
+}
+
+impl Touched {
+    /// Of an edit on a planet of `planet_m` metres radius, whose patches have `cells` cells a side.
+    pub(super) fn new(edit: &Edit, planet_m: f64, cells: u32) -> Touched {
+        Touched { centre: centre(edit.latitude_deg, edit.longitude_deg), reach: edit.reach_m() / planet_m, cells }
+    }
+
+    /// Whether a patch may depend on that ground.
+    pub(super) fn touches(&self, id: PatchId) -> bool {
+        let cell = FRAC_PI_2 / f64::from(1u32 << id.level) / f64::from(self.cells);
+        let near = self.reach + MARGIN_CELLS * cell;
+        let reached = |id: PatchId, side: Side| self.distance_to_side(id, side) <= near;
+        let parents = Side::ALL.into_iter().filter(|&side| id.on_parent_boundary(side));
+        self.is_inside(id)
+            || Side::ALL.into_iter().any(|side| reached(id, side))
+            || id.parent().is_some_and(|parent| parents.into_iter().any(|side| reached(parent, side)))
+    }
+
+    fn is_inside(&self, id: PatchId) -> bool {
+        let (low, high) = (id.point(0, 0, 1), id.point(1, 1, 1));
+        let (u, v) = id.face.grid_axes();
+        let (a, b) = id.face.project(self.centre);
+        let within = |x: f64, axis: usize| (warp_component(low[axis])..=warp_component(high[axis])).contains(&x);
+        self.centre.dot(id.face.normal()) > 0.0 && within(a, u) && within(b, v)
+    }
+
+    /// At most the distance, as a chord, of the edit's middle from a side. Sides are arcs of great circles; how far such an arc rises
+    /// over the straight way between its ends is taken off.
+    fn distance_to_side(&self, id: PatchId, side: Side) -> f64 {
+        let high = i32::from(side.is_high());
+        let end = |k: i32| direction(if side.is_horizontal() { id.point(k, high, 1) } else { id.point(high, k, 1) });
+        let (from, to) = (end(0), end(1));
+        let along = to - from;
+        let share = ((self.centre - from).dot(along) / along.length_squared()).clamp(0.0, 1.0);
+        let half = 0.5 * along.length();
+        let rise = 1.0 - (1.0 - half * half).sqrt();
+        self.centre.distance(from + along * share) - rise
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::globe::sphere::{place_of, Face, ONE};
+    use crate::recipe::Shape;
+    use glam::IVec3;
+
+    fn touched(place: DVec3, radius_m: f64) -> Touched {
+        let (latitude_deg, longitude_deg) = place_of(place);
+        Touched::new(&Edit { latitude_deg, longitude_deg, radius_m, shape: Shape::Raise { by_m: 1.0 } }, 1e6, 16)
+    }
+
+    fn all(level: u8) -> impl Iterator<Item = PatchId> {
+        let count = 1u32 << level;
+        let place = move |k: u32| (k % count, k / count);
+        Face::ALL
+            .into_iter()
+            .flat_map(move |face| (0..count * count).filter_map(move |k| PatchId::new(face, level, place(k).0, place(k).1)))
+    }
+
+    #[test]
+    fn a_small_edit_touches_everything_or_nothing() {
+        for level in 0..6 {
+            let inside = all(level).nth((1 << level) / 2).unwrap();
+            let middle = touched(inside.centre() + DVec3::splat(1e-3), 10.0);
+            assert!(middle.touches(inside), "{inside}");
+            let count = all(level).filter(|&id| middle.touches(id)).count();
+            assert!(count <= 9, "{count} patches of level {level}");
+        }
+    }
+
+    #[test]
+    fn the_patches_round_a_corner_are_left_out() {
+        // A corner of the cube belongs to three patches; its lines, to their parents' other children beside them.
+        let corner = touched(direction(IVec3::new(ONE, ONE, ONE)), 1.0);
+        for level in 1..6 {
+            let found: Vec<PatchId> = all(level).filter(|&id| corner.touches(id)).collect();
+            let at_corner = |id: &&PatchId| (id.centre() - DVec3::ONE.normalize()).length() < 1.2 / f64::from(1u32 << level);
+            assert!(found.iter().filter(at_corner).count() >= 3, "level {level}: {found:?}");
+            assert!(found.len() <= 24, "level {level}: {}", found.len());
+        }
+    }
+}
