@@ -46,7 +46,7 @@ float wake_distance(uint code) {
     return uintBitsToFloat(((code >> 10u) + 127u) << 23u | (code & 1023u) << 13u);
 }
 
-// The orientation term's part of the selection distance: planet/src/orientation.rs.
+// The orientation term's part of the selection distance: planet/src/draw/orientation.rs.
 float oriented_distance(vec3 p) {
     vec3 up = view.up;
     precise float below = -(p.x * up.x + p.y * up.y + p.z * up.z);

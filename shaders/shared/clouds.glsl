@@ -1,4 +1,4 @@
-// A sheet of cloud at one height: how deep it is over a place, and what it leaves of the sun below it. What it is made of: planet/src/clouds.rs.
+// A sheet of cloud at one height: how deep it is over a place, and what it leaves of the sun below it. What it is made of: planet/src/maps/clouds.rs.
 
 #ifndef TERRANE_CLOUDS
 #define TERRANE_CLOUDS

@@ -1,4 +1,4 @@
-//! A frame: the stages in order, each in a file of its own (DESIGN section 6).
+//! A frame: the stages in order, each in a file of its own (docs/design.md, "A frame").
 //!
 //! In: a scene, a cut and a view. Out: a picture in a colour target, counters, and GPU times by stage.
 

@@ -6,7 +6,7 @@ use crate::vulkan::{Commands, ComputePipeline, Context, Resource, Result};
 use std::sync::Arc;
 
 /// Subgroups at least this wide make a word of awake bits with one ballot; narrower ones do better with 32 vertices an
-/// invocation (TRIALS section 4).
+/// invocation (docs/design.md, "Stages on a software renderer").
 const BALLOT_WIDTH: u32 = 32;
 
 /// The stage's pipeline.

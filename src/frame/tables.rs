@@ -1,7 +1,7 @@
 //! What the CPU hands to the GPU for one frame: the patches to draw and the work of every stage.
 //!
 //! In: the cut and the resident patches. Out: [`FrameTables`]. One table-driven dispatch a stage serves all patches: hundreds of
-//! small dispatches would cost more than the work itself (TRIALS section 4).
+//! small dispatches would cost more than the work itself (docs/design.md, "Stages on a software renderer").
 
 use crate::scene::{ResidentPatch, Scene};
 use glam::DVec3;

@@ -1,5 +1,5 @@
 //! Per-patch textures: slope and albedo at twice the grid's resolution, from the terrain function alone, so that shading never
-//! depends on the mesh (DESIGN section 7).
+//! depends on the mesh (docs/design.md, "Shading").
 //!
 //! A texture has one texel per half cell and [`GUTTER`] more on every side. The gutters hold the same function values as the
 //! neighbours' texels, so filtering shows no seam, down to mip level 2.

@@ -1,6 +1,6 @@
 //! The given part of a patch's hierarchy: kinds, wakes and targets of the vertices on its four sides.
 //!
-//! TRIALS section 3: canonical wakes, "Mixed levels", and builder rules 1 and 2.
+//! docs/design.md: "Borders" (canonical wakes, builder rules 1 and 2) and "Mixed levels".
 
 use super::border::{targets, BorderLine};
 use super::wake::Wake;

@@ -1,4 +1,4 @@
-//! Guards of interior collapses next to a border (TRIALS section 3, builder rule 4).
+//! Guards of interior collapses next to a border (docs/design.md, "Borders", builder rule 4).
 //!
 //! A border vertex must be able to fall to its target when its time comes, whatever the interior did before. So before v → p
 //! every border vertex β in v's ring, and every vertex b that β's line will have passed through on its way to the corner, must

@@ -1,6 +1,7 @@
 //! Wake distances as 16 bits: 6 bits of exponent and 10 of mantissa, always rounded up.
 //!
-//! Closure (DESIGN section 4) survives quantisation because a wake is rounded *before* it propagates to other vertices.
+//! Closure (docs/design.md, "Wake distance") survives quantisation because a wake is rounded *before* it propagates to other
+//! vertices.
 
 /// A wake distance in lattice units: the vertex is awake when the viewer is nearer than this times the view's scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]

@@ -1,9 +1,9 @@
 //! Planetary terrain as a pure function of direction: the recipe's layers, composed in order. In: unit directions. Out:
 //! heights in metres and albedo, the same bits on every machine and however the directions are cut into slices.
 //!
-//! Only + - * / and sqrt on floats, comparisons and integer hashing (DESIGN, section 2). Points go through all layers in chunks;
-//! each chunk is dispatched once to code for the widest instructions at hand. Those give the same bits: the compiler neither
-//! reorders nor contracts float operations.
+//! Only + - * / and sqrt on floats, comparisons and integer hashing (docs/design.md, "The lattice"). Points go through all layers
+//! in chunks; each chunk is dispatched once to code for the widest instructions at hand. Those give the same bits: the compiler
+//! neither reorders nor contracts float operations.
 
 #![allow(clippy::needless_range_loop, reason = "a loop over lanes reads and writes several arrays alike")]
 

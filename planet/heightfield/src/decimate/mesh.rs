@@ -45,7 +45,8 @@ pub struct Mesh {
 
 impl Mesh {
     /// The full grid of `columns` × `rows` vertices. Diagonals alternate; with an even number of cells a side, those of the
-    /// four corner cells pass through the corner (TRIALS section 3, rule 1). Vertex (i, j) has number `j columns + i`.
+    /// four corner cells pass through the corner (docs/design.md, "Borders", builder rule 1). Vertex (i, j) has number
+    /// `j columns + i`.
     pub fn grid(columns: usize, rows: usize) -> Mesh {
         let (across, along) = (columns - 1, rows - 1);
         let mut mesh = Mesh { triangles: Vec::with_capacity(2 * across * along), outgoing: vec![NONE; columns * rows] };

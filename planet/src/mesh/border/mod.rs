@@ -1,7 +1,7 @@
 //! Border lines: what the vertices between two patches do follows from data that both patches can compute alone.
 //!
 //! A line is a straight row of samples on the cube surface. Its *canonical wakes* use only the samples on the line and one
-//! row to either side (TRIALS section 3), in the direction of growing cube coordinates, so every patch that touches the
+//! row to either side (docs/design.md, "Borders"), in the direction of growing cube coordinates, so every patch that touches the
 //! line, on this face or the next, computes the same bits.
 
 mod strip;
