@@ -30,6 +30,13 @@ pub struct Look {
 /// Factor from radiance to display for pictures in daylight.
 pub const DAYLIGHT: f32 = 1.1;
 
+impl Look {
+    /// The shaded ground under its clouds, exposed for daylight. `sun` is the unit vector towards the sun.
+    pub const fn daylight(sun: DVec3) -> Look {
+        Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None, clouds: true }
+    }
+}
+
 /// The sun as seen from a place: degrees clockwise from north, and degrees above the horizon.
 pub fn sun_over(place: DVec3, azimuth: f64, elevation: f64) -> DVec3 {
     let frame = local_frame(place);

@@ -4,9 +4,11 @@
 //! camera: the tolerance counts in pixels of the picture, and no seam shows.
 
 mod develop;
+mod png;
 mod tiles;
 
 pub use develop::Pixels;
+pub use png::write_rgb_png;
 
 use crate::frame::Look;
 use crate::headless::{FrameReport, Headless};
@@ -67,6 +69,8 @@ pub struct Still {
     pub size: [u32; 2],
     /// The pixels.
     pub pixels: Pixels,
+    /// Whether their alpha says anything.
+    pub transparent: bool,
     /// Factor from radiance to display.
     pub exposure: f32,
     /// The frame; times are the sums over all tiles.
@@ -135,7 +139,8 @@ impl Studio {
             progress(done + 1, self.windows.len());
         }
         let exposure = self.headless.exposure()?;
-        Ok(Still { size: self.size, pixels, exposure, report, dropped_triangles, tiles: self.windows.len() })
+        let transparent = self.options.transparent;
+        Ok(Still { size: self.size, pixels, transparent, exposure, report, dropped_triangles, tiles: self.windows.len() })
     }
 
     /// The look with its exposure fixed at what a small picture of the whole view asks for: tiles metered by themselves would differ.

@@ -33,8 +33,6 @@ pub(crate) enum Film {
     Folder {
         /// The folder.
         folder: PathBuf,
-        /// Whether pictures have alpha.
-        alpha: bool,
     },
     /// A film in the making.
     Encoder(Box<Encoder>),
@@ -56,9 +54,9 @@ pub(crate) fn container(out: &Path) -> Option<&'static str> {
 
 impl Film {
     /// A folder, made if it is not there.
-    pub(crate) fn folder(folder: &Path, alpha: bool) -> anyhow::Result<Film> {
+    pub(crate) fn folder(folder: &Path) -> anyhow::Result<Film> {
         std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        Ok(Film::Folder { folder: folder.to_owned(), alpha })
+        Ok(Film::Folder { folder: folder.to_owned() })
     }
 
     /// A film of frames of a size, so many a second. Fails at once where it cannot be made.
@@ -95,9 +93,9 @@ impl Film {
     /// Takes in the frame of a number.
     pub(crate) fn add(&mut self, number: usize, still: &Still) -> anyhow::Result<()> {
         match self {
-            Film::Folder { folder, alpha } => {
+            Film::Folder { folder } => {
                 let path = frame_path(folder, number);
-                pictures::write_still(&path, still, *alpha).with_context(|| format!("cannot write the frame {}", path.display()))
+                pictures::write_still(&path, still).with_context(|| format!("cannot write the frame {}", path.display()))
             }
             Film::Encoder(encoder) => encoder.add(still),
         }

@@ -27,7 +27,7 @@ pub(crate) struct Taken<'a> {
 }
 
 /// Writes a still as OpenEXR.
-pub(crate) fn write_exr(path: &Path, still: &Still, alpha: bool, taken: &Taken) -> anyhow::Result<()> {
+pub(crate) fn write_exr(path: &Path, still: &Still, taken: &Taken) -> anyhow::Result<()> {
     let Pixels::Radiance(pixels) = &still.pixels else { bail!("a picture of codes is no radiance; please report this") };
     let width = still.size[0] as usize;
     let channel = |at: Vec2<usize>, k: usize| -> f16 { pixels[4 * (at.y() * width + at.x()) + k] };
@@ -35,7 +35,7 @@ pub(crate) fn write_exr(path: &Path, still: &Still, alpha: bool, taken: &Taken) 
     let attributes = attributes(still, taken);
     write_whole_with(path, |file| {
         let encoding = Encoding::SMALL_LOSSLESS;
-        if alpha {
+        if still.transparent {
             let rgba = SpecificChannels::rgba(|at| (channel(at, 0), channel(at, 1), channel(at, 2), channel(at, 3)));
             Image::from_layer(Layer::new(size, attributes, encoding, rgba)).write().to_buffered(file)?;
         } else {

@@ -129,7 +129,7 @@ impl Record {
             let named = extension.to_string_lossy();
             ensure!(self.out.is_dir(), "--out: a .{named} is neither a film (.mp4, .webm) nor a folder that exists");
         }
-        let film = Film::folder(&self.out, self.still.transparent_sky)?;
+        let film = Film::folder(&self.out)?;
         self.check_notes(&self.out.join(NOTES), path)?;
         Ok(film)
     }

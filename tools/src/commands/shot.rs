@@ -95,10 +95,9 @@ impl Run for Shot {
 
 impl Shot {
     fn write(&self, still: &Still, taken: &Taken) -> anyhow::Result<()> {
-        let alpha = self.still.transparent_sky;
         match format_of(&self.out, self.depth)? {
-            PixelFormat::Radiance => write_exr(&self.out, still, alpha, taken),
-            PixelFormat::Eight | PixelFormat::Sixteen => pictures::write_still(&self.out, still, alpha),
+            PixelFormat::Radiance => write_exr(&self.out, still, taken),
+            PixelFormat::Eight | PixelFormat::Sixteen => pictures::write_still(&self.out, still),
         }
     }
 
