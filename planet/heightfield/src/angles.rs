@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn angles_are_off() {
+    fn angles_match_the_platforms_trigonometry() {
         for i in -720..=720 {
             let degrees = f64::from(i) * 0.77;
             let (s, c) = sin_cos(degrees);

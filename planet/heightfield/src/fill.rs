@@ -76,7 +76,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn gaps_are_filled_with_something_else_than_their_surroundings() {
+    fn gaps_are_filled_from_their_surroundings() {
         let plane = |i: usize| (i % 37) as f32 * 2.0 + (i / 37) as f32;
         let whole = Heightfield::new(37, 23, (0..37 * 23).map(plane).collect()).unwrap();
         let mut holed = whole.clone();

@@ -300,7 +300,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_other_than_the_corners_are_left() {
+    fn all_vertices_but_the_corners_collapse() {
         for (columns, rows) in [(2, 2), (2, 9), (3, 3), (17, 17), (40, 23)] {
             for flat in [false, true] {
                 let field = if flat { field(columns, rows, |_, _| 4.0) } else { hills(columns, rows) };
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn the_recorded_error_is_less_than_the_measured_one() {
+    fn the_measured_error_is_at_most_the_recorded_one() {
         let field = hills(40, 33);
         let collapses = simplify(&field).unwrap();
         for faces in [2000, 500, 100, 2] {
@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn flat_ground_coarsens_from_one_end() {
+    fn flat_ground_coarsens_evenly() {
         let field = field(33, 33, |_, _| 0.0);
         let collapses = simplify(&field).unwrap();
         let surface = collapses.surface(&field, collapses.collapses_to(200));
@@ -338,7 +338,7 @@ mod tests {
     }
 
     #[test]
-    fn missing_samples_are_taken_for_heights() {
+    fn missing_samples_are_refused() {
         let mut heights = vec![1.0; 9];
         heights[5] = f32::NAN;
         let field = Heightfield::new(3, 3, heights).unwrap();

@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn polish_breaks_the_triangulation_or_misses_the_count() {
+    fn polish_keeps_the_triangulation_and_the_face_count() {
         for (columns, rows) in [(65, 65), (40, 23), (9, 70), (5, 5), (2, 9), (2, 2)] {
             let field = field(columns, rows);
             let collapses = simplify(&field).unwrap();
@@ -116,7 +116,7 @@ mod tests {
     }
 
     #[test]
-    fn a_damaged_triangulation_passes_for_whole() {
+    fn a_damaged_triangulation_is_found() {
         let field = field(33, 33);
         let whole = simplify(&field).unwrap().polished(&field, 300);
         assert_eq!(flaw(&whole, &field), None);
@@ -133,7 +133,7 @@ mod tests {
     }
 
     #[test]
-    fn polish_gains_less_than_a_tenth_or_loses() {
+    fn polish_lowers_the_error_by_more_than_a_tenth() {
         let field = field(129, 129);
         let collapses = simplify(&field).unwrap();
         for faces in [300, 1600, 6500] {
@@ -144,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn polish_depends_on_the_number_of_threads() {
+    fn polish_is_the_same_on_any_number_of_threads() {
         let field = field(65, 65);
         let collapses = simplify(&field).unwrap();
         let on = |threads| {
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn a_wanted_error_is_exceeded_or_needs_more_faces_than_collapses_alone() {
+    fn polish_within_an_error_needs_fewer_faces_than_collapses_alone() {
         let field = field(65, 65);
         let collapses = simplify(&field).unwrap();
         for error in [0.05, 0.4, 2.0] {
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn flat_ground_is_taken_for_hot() {
+    fn polish_keeps_flat_ground_exact() {
         let flat = Heightfield::new(9, 9, vec![4.0; 81]).unwrap();
         let surface = simplify(&flat).unwrap().polished(&flat, 20);
         assert_eq!((flaw(&surface, &flat), surface.deviation(&flat).max), (None, 0.0));

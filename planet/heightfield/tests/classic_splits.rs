@@ -11,7 +11,7 @@ fn grid(columns: usize, rows: usize) -> FaceMesh {
     FaceMesh::from_heightfield(&bumpy(columns, rows))
 }
 
-/// A field on which no height is like another.
+/// A field on which no two heights are equal.
 fn bumpy(columns: usize, rows: usize) -> Heightfield {
     let heights = (0..columns * rows).map(|i| (i as u32).wrapping_mul(2_654_435_761) as f32 / 1e9).collect();
     Heightfield::new(columns, rows, heights).unwrap()
@@ -46,7 +46,7 @@ fn there_and_back(mesh: &FaceMesh, vt: u32, vu: u32) -> VertexSplit {
 }
 
 #[test]
-fn inside_all_of_the_neighbourhood_is_there() {
+fn an_inner_split_has_all_of_its_neighbour_faces() {
     let split = there_and_back(&grid(5, 5), 12, 13);
     assert!(![split.fl, split.fr].contains(&NONE) && !split.f.contains(&NONE));
 }
@@ -87,7 +87,7 @@ fn a_split_that_names_a_wrong_neighbour_face_leaves_a_mesh_that_is_refused() {
 
 #[test]
 fn each_of_f0_to_f3_may_be_missing() {
-    // The ends of these edges lie next to sides, so that fl or fr lies on one.
+    // The ends of these edges lie next to sides of the grid, so that fl or fr lies on a side.
     let mesh = grid(3, 3);
     let mut missing = [false; 4];
     for vt in 0..9 {
@@ -105,7 +105,7 @@ fn each_of_f0_to_f3_may_be_missing() {
 }
 
 #[test]
-fn edges_that_are_none_and_edges_across_the_surface_are_refused() {
+fn missing_edges_and_edges_across_the_surface_are_refused() {
     let mesh = grid(4, 4);
     assert_eq!(split_of(&mesh, 0, 15), Err(Refusal::NoEdge));
     // The diagonal of a corner cell, from side to side.
@@ -142,7 +142,7 @@ fn inversions_are_seen_and_harmless_collapses_are_not_taken_for_one() {
     assert!(middle.inverts(&mesh, 10.0), "no triangle about it has ten cells");
 }
 
-/// Half-edge collapses in the order of hashes until none is left, each into a neighbour that may take it.
+/// Order and parents of half-edge collapses in the order of hashes, each into a neighbour that allows it, until none is left.
 fn scrambled(field: &Heightfield, seed: u32) -> (Vec<u32>, Vec<u32>) {
     let mut mesh = FaceMesh::from_heightfield(field);
     let (columns, rows) = (field.columns() as u32, field.rows() as u32);

@@ -18,7 +18,7 @@ fn jacksboro() -> Imported {
 }
 
 #[test]
-fn formats_disagree_about_the_same_terrain() {
+fn formats_agree_about_the_same_terrain() {
     let tiff = jacksboro();
     let png = load(&data("jacksboro_fault_dem.png")).unwrap();
     let raw = load(&data("jacksboro_257.raw")).unwrap();
@@ -35,7 +35,7 @@ fn formats_disagree_about_the_same_terrain() {
 }
 
 #[test]
-fn geotiff_lies_elsewhere() {
+fn a_geotiff_lies_at_its_stated_place() {
     let tiff = jacksboro();
     let place = tiff.place.unwrap();
     let half = 0.5 / 1200.0;
@@ -56,7 +56,7 @@ fn tile() -> Vec<u8> {
 }
 
 #[test]
-fn tile_is_misread() {
+fn an_srtm_tile_is_read() {
     let hgt = read(&tile(), "tiles/N36W085.hgt").unwrap();
     assert_eq!((hgt.format, hgt.values, hgt.no_data, hgt.range), (Format::Hgt, Values::Metres, 1, [-300.0, 900.0]));
     assert!(hgt.field.at(5, 0).is_nan() && hgt.field.at(0, 1200) == 900.0);
@@ -88,7 +88,7 @@ fn floats(change: impl Fn(&mut [f32]), no_data: Option<&str>) -> Vec<u8> {
 }
 
 #[test]
-fn kinds_of_tiff_are_misread() {
+fn each_kind_of_tiff_is_read() {
     let expected: Vec<f32> = (0..15).map(|i| i as f32 * 100.0 - 700.0).collect();
     let signed: Vec<i16> = expected.iter().map(|&h| h as i16).collect();
     for compression in [Compression::Uncompressed, Compression::Lzw, Compression::Deflate(Default::default())] {
@@ -104,7 +104,7 @@ fn kinds_of_tiff_are_misread() {
 }
 
 #[test]
-fn no_data_is_taken_for_heights() {
+fn samples_without_data_are_counted() {
     let count = |change: fn(&mut [f32]), no_data| read(&floats(change, no_data), "a").map(|i| i.no_data);
     assert_eq!(count(|s| (s[2], s[9]) = (-9999.0, f32::NAN), Some("nan")), Ok(1));
     assert_eq!(count(|s| (s[2], s[9]) = (-9999.0, -9999.0), Some("-9999 ")), Ok(2));
@@ -125,7 +125,7 @@ fn assert_refused(result: Result<Imported, ImportError>, fault: Fault, words: &[
 }
 
 #[test]
-fn samples_that_are_no_heights_are_accepted() {
+fn samples_that_are_no_heights_are_refused() {
     let nan = read(&floats(|s| s[7] = f32::NAN, None), "f.tif");
     assert_refused(nan, Fault::Sample, &["f.tif", "NaN at column 2, row 1", "no-data"]);
     let infinite = read(&floats(|s| s[14] = f32::INFINITY, Some("-9999")), "f.tif");
@@ -135,7 +135,7 @@ fn samples_that_are_no_heights_are_accepted() {
 }
 
 #[test]
-fn other_images_are_accepted() {
+fn other_images_are_refused() {
     let none = Compression::Uncompressed;
     let doubles = tiff5x3::<colortype::Gray64Float>(&[0.0; 15], none, None);
     assert_refused(read(&doubles, "d.tif"), Fault::Kind, &["d.tif", "Gray(64)", "32-bit floats"]);
@@ -164,7 +164,7 @@ fn png_image(width: u32, height: u32, colour: png::ColorType, depth: png::BitDep
 }
 
 #[test]
-fn palettes_are_taken_for_grey() {
+fn palettes_are_refused() {
     let indexed = png_image(4, 2, png::ColorType::Indexed, png::BitDepth::Eight, &[0; 8]);
     assert_refused(read(&indexed, "p.png"), Fault::Kind, &["p.png", "Indexed"]);
     // A palette TIFF: the same file with another photometric interpretation (tag 262, from 1 to 3).
@@ -175,7 +175,7 @@ fn palettes_are_taken_for_grey() {
 }
 
 #[test]
-fn wrong_lengths_are_accepted() {
+fn wrong_lengths_are_refused() {
     assert_refused(read(&[0; 4 * 4 * 2 + 2], "a.raw"), Fault::Length, &["a.raw", "34 bytes", "32 (4 x 4) or 50 bytes"]);
     assert_refused(read(&[0; 33], "a.RAW"), Fault::Length, &["33 bytes"]);
     assert_refused(read(&[0; 2], "a.raw"), Fault::Size, &["1 x 1", "at least 2 x 2"]);
@@ -185,7 +185,7 @@ fn wrong_lengths_are_accepted() {
 }
 
 #[test]
-fn truncated_files_are_accepted() {
+fn truncated_files_are_refused() {
     for name in ["jacksboro_fault_dem.tif", "jacksboro_fault_dem.png"] {
         let bytes = std::fs::read(data(name)).unwrap();
         for part in [3, 8, 20, 100, 1000, bytes.len() / 2, bytes.len() - 100] {
@@ -197,7 +197,7 @@ fn truncated_files_are_accepted() {
 }
 
 #[test]
-fn stated_sizes_take_memory() {
+fn stated_sizes_that_the_file_cannot_hold_are_refused() {
     // 100,000 x 100,000, and 8,192 x 8,192 in a file of some hundred bytes.
     for (side, fault, word) in [(100_000_u32, Fault::Size, MOST_SAMPLES.to_string()), (8192, Fault::Damaged, "stated in".into())]
     {
@@ -219,7 +219,7 @@ fn stated_sizes_take_memory() {
 }
 
 #[test]
-fn unknown_files_have_no_advice() {
+fn unknown_files_are_refused_with_advice() {
     assert_refused(read(b"hello", "notes.txt"), Fault::Format, &["notes.txt", ".raw or .hgt"]);
     assert_refused(read(b"hello", "a.png"), Fault::Damaged, &["a.png", "[68, 65, 6c, 6c]"]);
     assert_refused(load(Path::new("/no/such.hgt")), Fault::Unreadable, &["/no/such.hgt", "No such file"]);

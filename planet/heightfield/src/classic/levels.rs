@@ -191,7 +191,7 @@ mod tests {
     }
 
     #[test]
-    fn error_is_exceeded_or_could_be_had_for_less() {
+    fn the_coarsest_level_within_the_error_is_found() {
         let field = hills();
         for cost in Cost::ALL {
             let mut levels = Levels::new(&field, cost, &mut |_| ()).unwrap();
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn polish_is_forgotten_or_exceeds_what_was_asked_for() {
+    fn polish_lowers_errors_and_keeps_the_error_asked_for() {
         let field = hills();
         let mut plain = Levels::new(&field, Cost::Certified, &mut |_| ()).unwrap();
         let mut polished = Levels::new(&field, Cost::Certified, &mut |_| ()).unwrap().with_polish();
@@ -217,7 +217,7 @@ mod tests {
     }
 
     #[test]
-    fn faces_are_more_than_asked_for() {
+    fn levels_have_at_most_the_faces_asked_for() {
         let field = hills();
         for cost in Cost::ALL {
             let mut levels = Levels::new(&field, cost, &mut |_| ()).unwrap();
@@ -225,7 +225,7 @@ mod tests {
                 let level = levels.of_faces(faces);
                 let found = level.surface.faces.len();
                 assert!(found <= faces && (found + 2 > faces || found == 2 * 40 * 34), "{}: {found} for {faces}", cost.name());
-                // Asking for errors in between must not lose its place.
+                // A request for an error in between must not change what a later request for faces gives.
                 let error = level.deviation.max;
                 let again = levels.of_error(error).surface.faces.len();
                 assert!(again <= found + found / 8 + 4, "{}: {again} faces for the error of {found}", cost.name());

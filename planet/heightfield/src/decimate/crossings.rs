@@ -80,19 +80,20 @@ mod tests {
     }
 
     #[test]
-    fn a_saddle_between_samples_goes_unseen() {
-        // Along the falling diagonal of one cell of x y: the rising one is the grid's, half a unit higher in the middle.
+    fn a_saddle_between_samples_is_found() {
+        // Depth x y over one cell. The grid splits the cell along its rising diagonal, whose middle has depth 0.5; the edge is the falling
+        // diagonal, whose middle has depth 0.
         let crossings = found([1, 0], [0, 1], |x, y| x * y);
         assert_eq!(crossings, [(0.5, 0.0)]);
     }
 
     #[test]
-    fn crossings_are_left_out_or_lie_beside_the_edge() {
+    fn all_crossings_are_found_and_lie_on_the_edge() {
         for (p, w) in [([0usize, 0], [5usize, 3]), ([8, 1], [2, 7]), ([3, 8], [4, 0]), ([7, 7], [1, 4]), ([6, 2], [0, 8])] {
             let [columns, rows] = [0, 1].map(|axis: usize| p[axis].abs_diff(w[axis]));
             let all = found(p, w, |x, y| 2.0 * x - 3.0 * y);
             assert!(all.iter().all(|(own, edge)| (own - edge).abs() < 1e-12), "a plane has no error: {all:?}");
-            // Lines between, and about as many diagonals.
+            // The grid lines between both ends, and about as many diagonals.
             assert!(all.len() >= columns + rows - 2 && all.len() <= 2 * (columns + rows), "{p:?} {w:?}: {}", all.len());
         }
         assert_eq!(found([2, 3], [7, 3], |x, y| x * y).len(), 0, "along a row nothing is crossed");

@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lanes_take_the_wrong_number() {
+    fn operations_act_on_each_lane() {
         let (a, b) = (Singles([1.0, -2.0, 3.0, -4.0, 5.0, -6.0, 7.0, -8.0]), Singles::splat(2.0));
         assert_eq!(a.more_than(b).select(a, b).0, [2.0, 2.0, 3.0, 2.0, 5.0, 2.0, 7.0, 2.0]);
         assert_eq!(a.min(b).0, [1.0, -2.0, 2.0, -4.0, 2.0, -6.0, 2.0, -8.0]);

@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn vertices_come_out_of_order_or_get_lost() {
+    fn vertices_come_out_in_the_order_of_their_keys() {
         let mut queue = Queue::new();
         for (key, v) in [(3.0, 7), (0.0, 9), (3.0, 2), (f32::INFINITY, 1), (100.0, 4)] {
             queue.push(key, 0, v);
@@ -102,7 +102,7 @@ mod tests {
     }
 
     #[test]
-    fn tiles_of_an_octave_mix() {
+    fn tiles_of_an_octave_come_out_one_after_another() {
         let mut queue = Queue::new();
         for (key, tile, v) in [(1.9, 0, 1), (1.1, 1, 2), (1.2, 0, 3), (2.5, 0, 4), (2.4, 1, 5)] {
             queue.push(key, tile, v);

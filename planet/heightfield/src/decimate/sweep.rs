@@ -74,7 +74,7 @@ mod tests {
     proptest! {
         /// A convex ring of eight, the vertex anywhere well inside: nowhere on its way does the surface leave the range.
         #[test]
-        fn a_slide_overshoots(heights in prop::array::uniform9(-1.0f64..1.0), at in prop::array::uniform2(-0.4f64..0.4),
+        fn a_slide_stays_within_its_range(heights in prop::array::uniform9(-1.0f64..1.0), at in prop::array::uniform2(-0.4f64..0.4),
             place in prop::array::uniform2(-0.6f64..0.6)) {
             let corner = |k: usize| {
                 let (y, x) = (k as f64 * std::f64::consts::FRAC_PI_4).sin_cos();

@@ -57,7 +57,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn degrees_have_the_wrong_length() {
+    fn degrees_have_their_published_lengths() {
         let spacing = |north: f64| GeographicGrid { west: 0.0, north, step_east: 1.0, step_south: 1.0 }.spacing_m(2);
         // Lengths of a degree on WGS 84, from published tables.
         let [east, south] = spacing(0.5);

@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tile_names_are_misread() {
+    fn tile_names_give_their_corners() {
         assert_eq!(corner("some/folder/N36W085.hgt"), Some([36.0, -85.0]));
         assert_eq!(corner("s01e010.SRTMGL1.hgt"), Some([-1.0, 10.0]));
         for name in ["tile.hgt", "N36.hgt", "N+6W085.hgt", "N36W185.hgt", "N95W085.hgt", "é36W085.hgt", "W085N36.hgt", ""] {

@@ -319,7 +319,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_leaves_neighbours_that_do_not_know_each_other() {
+    fn changes_keep_neighbours_linked() {
         let mut mesh = square();
         let at = |x: f64, y: f64| DVec3::new(x, y, 1.0);
         assert_eq!(flaw(&mesh), None);
@@ -332,7 +332,7 @@ mod tests {
         let turned = edge(&mesh, 1, 4);
         mesh.flip(turned, mesh.twin(turned).unwrap());
         assert_eq!((flaw(&mesh), mesh.count()), (None, 7));
-        // Vertex 4 is in the middle, 6 beside the eastern side: its collapse to there passes the outline.
+        // Vertex 4 is in the middle, vertex 6 beside the eastern side: a collapse of 6 to 1 reaches the outline.
         for (from, to) in [(6, 1), (4, 5)] {
             let star = mesh.star(from).unwrap();
             mesh.collapse(edge(&mesh, from, to), &star);
@@ -345,7 +345,7 @@ mod tests {
     }
 
     #[test]
-    fn a_broken_mesh_is_taken_for_whole() {
+    fn a_broken_mesh_is_found() {
         let mut mesh = square();
         let diagonal = edge(&mesh, 0, 2);
         mesh.twins[diagonal as usize] = NONE;
@@ -359,7 +359,7 @@ mod tests {
     }
 
     #[test]
-    fn stars_are_open_or_miss_faces() {
+    fn stars_are_complete_inside_and_absent_on_the_outline() {
         let mut mesh = square();
         mesh.split_face(0, DVec3::new(40.0, 20.0, 0.0));
         assert_eq!(mesh.star(4).map(|star| star.len()), Some(3));
