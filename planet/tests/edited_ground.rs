@@ -64,7 +64,7 @@ fn cracks(patches: &whole_planet::Planet, planet: &Planet, must_be_clean: bool) 
 }
 
 #[test]
-fn edited_ground_is_torn() {
+fn edited_ground_is_watertight() {
     let folder = tempfile::tempdir().unwrap();
     let (mut file, mut planet) = baked(&folder.path().join("a.planet"));
     let mesh = |file: &PlanetFile, id: PatchId| file.mesh(id).unwrap();

@@ -106,7 +106,7 @@ fn places() -> Vec<(&'static str, DVec3)> {
 }
 
 #[test]
-fn edited_files_differ_from_bakes_of_the_edited_recipe() {
+fn edited_files_equal_bakes_of_the_edited_recipe() {
     let shapes =
         [Shape::Crater { depth_m: 90.0, ground_m: Some(50.0) }, Shape::Flatten { height_m: 333.0 }, Shape::Raise { by_m: -60.0 }];
     let mut beyond = 0;
@@ -137,7 +137,7 @@ fn edited_files_differ_from_bakes_of_the_edited_recipe() {
 }
 
 #[test]
-fn the_comparison_misses_a_patch_that_was_not_rebuilt() {
+fn the_comparison_finds_a_patch_that_was_not_rebuilt() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
     let before = rows(&file);
@@ -151,7 +151,7 @@ fn the_comparison_misses_a_patch_that_was_not_rebuilt() {
 }
 
 #[test]
-fn deep_regions_and_coarse_grids_keep_stale_patches() {
+fn deep_regions_and_coarse_grids_keep_no_stale_patch() {
     let folder = tempfile::tempdir().unwrap();
     for (cells, place) in [(8, DVec3::ONE.normalize()), (16, direction(IVec3::new(ONE / 2, ONE, ONE / 64)))] {
         let planet = Planet::from_recipe(tiny(), cells).unwrap();
@@ -169,7 +169,7 @@ fn deep_regions_and_coarse_grids_keep_stale_patches() {
 }
 
 #[test]
-fn several_edits_are_undone_out_of_order() {
+fn several_edits_are_undone_in_reverse_order() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
     let place = DVec3::new(0.2, -1.0, 0.4).normalize();
@@ -190,7 +190,7 @@ fn several_edits_are_undone_out_of_order() {
 }
 
 #[test]
-fn stopping_half_way_leaves_patches_of_two_grounds() {
+fn an_edit_stopped_half_way_leaves_patches_of_one_ground() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
     let all = rows(&file).len();
@@ -216,7 +216,7 @@ fn stopping_half_way_leaves_patches_of_two_grounds() {
 }
 
 #[test]
-fn whoever_opened_the_file_before_mixes_two_grounds() {
+fn whoever_opened_the_file_before_an_edit_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
     let old_planet = planet_of(&file);
@@ -237,7 +237,7 @@ fn whoever_opened_the_file_before_mixes_two_grounds() {
 }
 
 #[test]
-fn cached_patches_of_the_ground_before_stay() {
+fn an_edit_removes_cached_patches_of_the_old_ground() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
     let planet = planet_of(&file);
@@ -254,7 +254,7 @@ fn cached_patches_of_the_ground_before_stay() {
 }
 
 #[test]
-fn bad_edits_change_the_file() {
+fn bad_edits_leave_the_file_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
     let before = std::fs::read(file.path()).unwrap();
@@ -281,7 +281,7 @@ fn bad_edits_change_the_file() {
 }
 
 #[test]
-fn edits_change_the_lattice_or_leave_the_height_range() {
+fn edits_keep_the_lattice_and_the_height_range() {
     let with = |shape| {
         let planet = Planet::from_recipe(tiny(), CELLS).unwrap();
         Planet::from_recipe(planet.recipe.with_edit(&edit_at(DVec3::Y, 2000.0, shape)).unwrap(), CELLS)
@@ -301,7 +301,7 @@ fn edits_change_the_lattice_or_leave_the_height_range() {
 }
 
 #[test]
-fn a_place_is_flattened_to_another_height_than_its_mean() {
+fn a_site_is_flattened_to_its_mean_height() {
     let planet = Planet::from_recipe(tiny(), CELLS).unwrap();
     let mean = mean_height(&planet, 12.0, 34.0, 800.0);
     let around: Vec<f64> = [(12.0, 34.0), (12.5, 34.0), (12.0, 33.5), (11.3, 34.4)]
@@ -315,7 +315,7 @@ fn a_place_is_flattened_to_another_height_than_its_mean() {
 }
 
 #[test]
-fn hand_written_edits_are_refused_or_undone_by_half() {
+fn hand_written_edits_are_read_and_not_undone() {
     let edit = edit_at(DVec3::X, 100.0, CRATER);
     let text = format!(
         "{}\n[[edit]] # a crater\nkind = 'crater'\nlatitude_deg = 0\nlongitude_deg = 0\nradius_m = 1e2\ndepth_m = 90\n",

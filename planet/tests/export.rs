@@ -214,7 +214,7 @@ fn origins_near_the_view_make_glb_precise() {
 }
 
 #[test]
-fn unwelded_patches_are_not_closed() {
+fn a_crack_of_one_lattice_unit_is_found() {
     let tiny = Tiny::new();
     let surface = tiny.surface(&tiny.view(300.0), true);
     // The same triangles, one corner moved by one lattice unit in one of them: a crack that no tolerance would find.
@@ -228,7 +228,7 @@ fn unwelded_patches_are_not_closed() {
 }
 
 #[test]
-fn formats_follow_extensions_and_nothing_is_an_error() {
+fn formats_follow_extensions_and_an_empty_mesh_is_an_error() {
     assert_eq!(Format::of(Path::new("a/b.GLB")), Ok(Format::Glb));
     assert_eq!(Format::of(Path::new("b.stl")), Err(ExportError::UnknownFormat { file: "b.stl".into() }));
     assert!(Format::of(Path::new("glb")).is_err());

@@ -150,7 +150,7 @@ fn cameras_at_extremes_draw_the_planet_and_nothing_else() {
 }
 
 #[test]
-fn cameras_that_are_nowhere_are_noticed() {
+fn a_camera_at_no_position_is_noticed() {
     let planet = planet(&FIELD, CELLS);
     let camera = Camera::looking(DVec3::NAN, 0.0, 0.0, 0.9, [640, 360]);
     assert!(!all_finite(&View::new(camera, &planet.tree.lattice, CELLS, 1.0)));

@@ -22,31 +22,31 @@ fn run(target: &str, function: fn(&[u8])) {
 }
 
 #[test]
-fn a_png_seed_panics() {
+fn png_seeds_do_not_panic() {
     run("png", targets::png);
 }
 
 #[test]
-fn a_tiff_seed_panics() {
+fn tiff_seeds_do_not_panic() {
     run("tiff", targets::tiff);
 }
 
 #[test]
-fn a_raw_seed_panics() {
+fn raw_seeds_do_not_panic() {
     run("raw", targets::raw);
 }
 
 #[test]
-fn an_hgt_seed_panics() {
+fn hgt_seeds_do_not_panic() {
     run("hgt", targets::hgt);
 }
 
 #[test]
-fn a_geometry_seed_panics() {
+fn geometry_seeds_do_not_panic() {
     run("geometry", targets::geometry);
 }
 
 #[test]
-fn an_imagery_seed_panics() {
+fn imagery_seeds_do_not_panic() {
     run("imagery", targets::imagery);
 }

@@ -47,7 +47,7 @@ fn at(terrain: &Terrain, latitude: f64, longitude: f64) -> f64 {
 }
 
 #[test]
-fn file_lies_elsewhere_than_it_says() {
+fn a_file_lies_where_it_says() {
     // A peak at column 40, row 10; the second place crosses the date line.
     for [north, west] in [[36.0, -85.0], [-12.0, 179.8]] {
         let peak = |c: usize, r: usize| if (c, r) == (40, 10) { 900 } else { 100 };
@@ -71,7 +71,7 @@ fn file_lies_elsewhere_than_it_says() {
 }
 
 #[test]
-fn rectangle_of_a_file_in_degrees_is_not_to_scale() {
+fn a_file_in_degrees_is_to_scale() {
     // At 60 degrees a step east is half a step south. The map is put at the equator with its own size: 64 steps east.
     let column = |c: usize, _: usize| i16::from(c >= 32) * 500;
     let row = |_: usize, r: usize| i16::from(r >= 16) * 500;
@@ -91,7 +91,7 @@ fn rectangle_of_a_file_in_degrees_is_not_to_scale() {
 }
 
 #[test]
-fn gaps_are_filled_or_torn() {
+fn gaps_leave_the_ground_as_before_and_fade_out() {
     let gap = |c: usize, r: usize| if (30..34).contains(&c) && (14..18).contains(&r) { i16::MIN } else { 1000 };
     let map = geotiff([10.0, 10.0], &GEOGRAPHIC, gap);
     let terrain = mapped("m.tif", map, "placement = \"file\"\nblend_m = 100.0").unwrap();
@@ -104,7 +104,7 @@ fn gaps_are_filled_or_torn() {
 }
 
 #[test]
-fn metres_are_scaled_wrongly() {
+fn metres_are_scaled_and_offset_as_stated() {
     let map = || geotiff([10.0, 10.0], &GEOGRAPHIC, |c, _| if c < 20 { -200 } else { 800 });
     let height = |keys: &str| {
         let terrain = mapped("m.tif", map(), &format!("placement = \"file\"\n{keys}")).unwrap();
@@ -118,7 +118,7 @@ fn metres_are_scaled_wrongly() {
 }
 
 #[test]
-fn recipes_that_do_not_fit_their_file_are_accepted() {
+fn recipes_that_do_not_fit_their_file_are_refused() {
     let known = geotiff([36.0, -85.0], &GEOGRAPHIC, |_, _| 5);
     let polar = geotiff([86.0, -85.0], &GEOGRAPHIC, |_, _| 5);
     let nowhere = geotiff([36.0, -85.0], &[1, 1, 0, 0], |_, _| 5);
@@ -148,7 +148,7 @@ fn recipes_that_do_not_fit_their_file_are_accepted() {
 }
 
 #[test]
-fn jacksboro_is_not_where_it_is() {
+fn jacksboro_lies_at_its_place() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes");
     let recipe = Recipe::load(&folder.join("jacksboro.toml")).unwrap();
     let file = load(&folder.join("jacksboro_fault_dem.tif")).unwrap();

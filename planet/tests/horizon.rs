@@ -62,7 +62,7 @@ fn differences(planet: &Planet, turn: f64) -> Vec<f64> {
 }
 
 #[test]
-fn the_horizon_is_elsewhere() {
+fn horizon_angles_agree_with_brute_force() {
     let planet = planet("luna");
     let right = differences(&planet, 0.0);
     let share = |sorted: &[f64], q: f64| sorted[(q * (sorted.len() - 1) as f64) as usize];
@@ -74,7 +74,7 @@ fn the_horizon_is_elsewhere() {
 }
 
 #[test]
-fn neighbours_disagree_where_they_meet() {
+fn neighbours_agree_where_they_meet() {
     let planet = planet("terra");
     let (ground, grids) = (planet.ground(), WideGrids::default());
     let row = CELLS as usize + 1;
@@ -99,7 +99,7 @@ fn neighbours_disagree_where_they_meet() {
 }
 
 #[test]
-fn flat_ground_is_in_its_own_shadow() {
+fn flat_ground_casts_no_shadow_on_itself() {
     let mut recipe = Recipe::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/luna.toml")).unwrap();
     recipe.layers.clear();
     let planet = Planet::from_recipe(recipe, CELLS).unwrap();

@@ -23,7 +23,7 @@ fn planet_knows_no_graphics() {
 }
 
 #[test]
-fn the_check_would_see_graphics() {
+fn the_check_finds_graphics() {
     let found = dependencies("terrane");
     assert!(found.iter().any(|d| d == "ash") && found.iter().any(|d| d == "terrane-planet"), "{found:?}");
 }

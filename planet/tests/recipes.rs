@@ -35,7 +35,7 @@ fn assert_refused(text: &str, parts: &[&str]) {
 }
 
 #[test]
-fn shipped_recipe_does_not_parse() {
+fn shipped_recipes_parse() {
     for name in ["terra.toml", "luna.toml", "mars.toml", "tiny.toml"] {
         let recipe = Recipe::load(&shipped(name)).unwrap_or_else(|e| panic!("{e}"));
         assert!(!recipe.layers.is_empty() && recipe.assets.is_empty());
@@ -48,24 +48,24 @@ fn shipped_recipe_does_not_parse() {
 }
 
 #[test]
-fn minimal_recipe_is_refused() {
+fn a_minimal_recipe_is_read() {
     let recipe = parse(&with_layer("kind = \"plains\"\nwavelength_m = 50\ngain = 0.5\namplitude_m = 3")).unwrap();
     assert!(matches!(&recipe.layers[0], Layer::Plains(p) if p.octaves.detail_m == 1.0));
 }
 
 #[test]
-fn missing_file_is_not_named() {
+fn a_missing_file_is_named() {
     let message = Recipe::load(Path::new("/no/such.toml")).unwrap_err().to_string();
     assert!(message.contains("/no/such.toml"), "{message}");
 }
 
 #[test]
-fn broken_toml_has_no_line() {
+fn broken_toml_is_refused_with_its_line() {
     assert_refused("name = \"T\"\nradius_m = = 3\n", &["t.toml:2", "not valid TOML"]);
 }
 
 #[test]
-fn unknown_key_is_accepted() {
+fn unknown_keys_are_refused() {
     let parts = ["t.toml:4", "`colour`", "unknown key", "radius_m"];
     assert_refused(&format!("{HEAD}colour = 3\n{PALETTE}"), &parts);
     let layer = "kind = \"plains\"\nwavelength_m = 50\ngain = 0.5\namplitude_m = 3\nheight = 2";
@@ -76,14 +76,14 @@ fn unknown_key_is_accepted() {
 }
 
 #[test]
-fn missing_key_is_accepted() {
+fn missing_keys_are_refused() {
     assert_refused("name = \"T\"\nseed = 1\n", &["`radius_m`", "found nothing", "a number from 1000 to 100000000"]);
     assert_refused(HEAD, &["`palette`", "found nothing", "a table"]);
     assert_refused(&with_layer("wavelength_m = 3"), &["t.toml:4", "`layer[0].kind`", "found nothing"]);
 }
 
 #[test]
-fn wrong_type_is_accepted() {
+fn wrong_types_are_refused() {
     let text = HEAD.replace("10000.0", "\"big\"");
     assert_refused(&text, &["t.toml:2", "`radius_m`", "string \"big\"", "a number from 1000"]);
     assert_refused(&HEAD.replace("seed = 1", "seed = 1.5"), &["t.toml:3", "`seed`", "float 1.5", "whole number"]);
@@ -96,7 +96,7 @@ fn wrong_type_is_accepted() {
 }
 
 #[test]
-fn out_of_range_is_accepted() {
+fn values_out_of_range_are_refused() {
     assert_refused(&HEAD.replace("10000.0", "5"), &["t.toml:2", "`radius_m`", "integer 5", "from 1000"]);
     assert_refused(&HEAD.replace("10000.0", "nan"), &["t.toml:2", "`radius_m`", "nan"]);
     let plains = "kind = \"plains\"\nwavelength_m = 50\ngain = 1.5\namplitude_m = 3";
@@ -112,7 +112,7 @@ fn out_of_range_is_accepted() {
 }
 
 #[test]
-fn wrong_canyons_dunes_or_desert_are_accepted() {
+fn wrong_landforms_and_deserts_are_refused() {
     let canyons = "kind = \"canyons\"\nwavelength_m = 50\ngain = 0.5\ndepth_m = 3\nwidth = 0.3\nregion_m = 500";
     parse(&with_layer(canyons)).unwrap();
     assert_refused(
@@ -147,7 +147,7 @@ fn wrong_canyons_dunes_or_desert_are_accepted() {
 }
 
 #[test]
-fn missing_heightmap_is_not_named() {
+fn a_missing_heightmap_is_named() {
     let layer = with_layer("kind = \"heightmap\"\nfile = \"gone.png\"\nrange_m = [0, 100]");
     assert_refused(&layer, &["t.toml:6", "`layer[0].file`", "gone.png", "readable file"]);
     let bytes = vec![1, 2];

@@ -75,7 +75,7 @@ fn patches_come_back_as_they_were_built() {
 }
 
 #[test]
-fn a_full_cache_loses_baked_patches_or_what_was_used_last() {
+fn a_full_cache_keeps_baked_patches_and_what_was_used_last() {
     let (folder, planet) = (Folder::new(), tiny(CELLS));
     let path = folder.path("a.planet");
     bake_levels(&path, &planet, 0);
@@ -297,7 +297,7 @@ fn other_format_versions_are_refused_with_both_versions() {
 }
 
 #[test]
-fn a_row_that_is_taken_away_is_missed() {
+fn a_row_that_is_taken_away_is_noticed() {
     let (folder, planet) = (Folder::new(), tiny(8));
     let path = folder.path("a.planet");
     bake_levels(&path, &planet, 0);

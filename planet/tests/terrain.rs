@@ -41,7 +41,7 @@ fn turned(latitude: f64, longitude: f64) -> DVec3 {
 }
 
 #[test]
-fn slices_change_the_bits() {
+fn heights_have_the_same_bits_in_any_slice() {
     for name in SHIPPED {
         let (terrain, directions) = (terrain(name), spread(777));
         let whole = heights(&terrain, &directions);
@@ -56,7 +56,7 @@ fn slices_change_the_bits() {
 }
 
 #[test]
-fn close_points_share_craters_wrongly() {
+fn close_points_that_share_craters_have_the_bits_of_single_points() {
     // Neighbours share crater sites; single points do not: rows of 128 at several spacings must agree with points.
     for name in ["luna", "mars", "tiny"] {
         let (recipe, terrain) = (recipe(name), terrain(name));
@@ -71,7 +71,7 @@ fn close_points_share_craters_wrongly() {
 }
 
 #[test]
-fn albedo_depends_on_the_slice() {
+fn albedo_is_the_same_in_any_slice() {
     for name in SHIPPED {
         let (terrain, directions) = (terrain(name), spread(300));
         let ground = |&direction: &DVec3| GroundPoint {
@@ -93,7 +93,7 @@ fn albedo_depends_on_the_slice() {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 24, failure_persistence: None, ..ProptestConfig::default() })]
     #[test]
-    fn order_changes_the_bits(seed in 0_u64..1000, split in 1_usize..199) {
+    fn heights_are_the_same_in_any_order(seed in 0_u64..1000, split in 1_usize..199) {
         let mut recipe = recipe("tiny");
         recipe.seed = seed;
         let terrain = Terrain::new(&recipe).unwrap();
@@ -107,7 +107,7 @@ proptest! {
 }
 
 #[test]
-fn heights_leave_their_range() {
+fn heights_stay_within_their_range() {
     for name in SHIPPED {
         let terrain = terrain(name);
         let (low, high) = terrain.height_range();
@@ -118,7 +118,7 @@ fn heights_leave_their_range() {
 }
 
 #[test]
-fn axes_and_poles_are_not_finite() {
+fn heights_are_finite_on_axes_and_at_poles() {
     let mut directions = Vec::new();
     for x in [-1.0, 0.0, -0.0, 1.0] {
         for y in [-1.0, 0.0, -0.0, 1.0] {
@@ -133,7 +133,7 @@ fn axes_and_poles_are_not_finite() {
 }
 
 #[test]
-fn terra_is_not_mostly_ocean() {
+fn terra_is_mostly_ocean() {
     let terrain = terrain("terra");
     let ground = heights(&terrain, &spread(60_000));
     let wet = ground.iter().filter(|&&h| h < 0.0).count() as f64 / ground.len() as f64;
@@ -150,7 +150,7 @@ fn terra_is_not_mostly_ocean() {
 }
 
 #[test]
-fn a_metre_makes_no_difference() {
+fn terrain_has_relief_at_one_metre() {
     for name in SHIPPED {
         let (recipe, terrain) = (recipe(name), terrain(name));
         let mut rough = 0;
@@ -168,7 +168,7 @@ fn a_metre_makes_no_difference() {
 }
 
 #[test]
-fn ground_jumps_between_neighbours() {
+fn ground_is_continuous_between_neighbours() {
     // A millimetre apart, heights differ by millimetres: cell borders, crater rims and map edges included.
     for name in SHIPPED {
         let (recipe, terrain) = (recipe(name), terrain(name));
@@ -196,7 +196,7 @@ const CANYONS: &str =
 const DUNES: &str = "kind = \"dunes\"\nwavelength_m = 400\namplitude_m = 30\nregion_m = 60000\ncover = 1.0";
 
 #[test]
-fn canyons_have_no_floor_or_rise_above_the_ground() {
+fn canyons_have_rims_walls_and_floors_below_the_ground() {
     let ground = heights(&dry(CANYONS), &spread(20_000));
     let share = |of: &dyn Fn(f64) -> bool| ground.iter().filter(|&&h| of(h)).count() as f64 / ground.len() as f64;
     assert!(ground.iter().all(|&h| (-900.001..=0.0).contains(&h)));
@@ -206,7 +206,7 @@ fn canyons_have_no_floor_or_rise_above_the_ground() {
 }
 
 #[test]
-fn dunes_are_not_steeper_behind() {
+fn dunes_are_steeper_on_one_side() {
     // From crest to crest: the way up is longer than the way down, whichever way the wind blows.
     let terrain = dry(DUNES);
     let (mut longest, mut crests) = (0.0_f64, 0);
@@ -226,7 +226,7 @@ fn dunes_are_not_steeper_behind() {
 }
 
 #[test]
-fn dunes_keep_the_colour_of_the_ground() {
+fn dunes_have_their_own_colour() {
     let blue = |layer: &str| {
         let terrain = dry(layer);
         let ground = |&direction: &DVec3| GroundPoint { direction, height: 0.0, slope: 0.0, north: 0.0, spacing: 2.0 };
@@ -240,7 +240,7 @@ fn dunes_keep_the_colour_of_the_ground() {
 }
 
 #[test]
-fn poles_of_a_desert_have_no_ice() {
+fn poles_of_a_desert_have_ice() {
     let terrain = dry(DUNES);
     let white = |z: f64| {
         let points: Vec<GroundPoint> = spread(4000)
@@ -263,7 +263,7 @@ const RIFT: &str =
 const CAPS: &str = "kind = \"caps\"\nlatitude_deg = 75\nheight_m = 900\ntrough_m = 300\napart_m = 2500";
 
 #[test]
-fn shield_volcano_has_no_flanks() {
+fn a_shield_volcano_has_flanks_and_a_caldera() {
     let terrain = dry(SHIELD);
     let (low, high) = terrain.height_range();
     assert!(heights(&terrain, &spread(20_000)).iter().all(|h| (low..=high).contains(h)));
@@ -275,7 +275,7 @@ fn shield_volcano_has_no_flanks() {
 }
 
 #[test]
-fn rift_has_no_floor_or_is_elsewhere() {
+fn a_rift_has_a_floor_and_lies_at_its_place() {
     let terrain = dry(RIFT);
     let ground = heights(&terrain, &spread(40_000));
     assert!(ground.iter().all(|h| (-900.001..=0.0).contains(h)));
@@ -288,7 +288,7 @@ fn rift_has_no_floor_or_is_elsewhere() {
 }
 
 #[test]
-fn ice_and_volcanoes_keep_old_craters() {
+fn ice_buries_old_craters() {
     let craters = "kind = \"craters\"\nlargest_m = 800\nsmallest_m = 100\ndensity = 2\nreach = 1.6";
     let [plain, iced] = [dry(craters), dry(&format!("{CAPS}\n[[layer]]\n{craters}"))];
     let smooth = dry(CAPS);
@@ -300,7 +300,7 @@ fn ice_and_volcanoes_keep_old_craters() {
 }
 
 #[test]
-fn landmarks_differ_between_slices() {
+fn landmarks_are_the_same_in_any_slice() {
     // What a chunk skips must be nothing: single points against chunks, all over the planet and about each landmark.
     for layer in [SHIELD, RIFT, CAPS] {
         let terrain = dry(layer);
@@ -314,7 +314,7 @@ fn landmarks_differ_between_slices() {
 }
 
 #[test]
-fn colours_differ_between_slices() {
+fn colours_about_the_poles_are_the_same_in_any_slice() {
     // What is near some points of a slice must not colour the others: frost about the polar caps once did.
     for name in ["mars", "luna", "terra"] {
         let terrain = terrain(name);
@@ -334,7 +334,7 @@ fn colours_differ_between_slices() {
 }
 
 #[test]
-fn north_of_mars_is_not_low() {
+fn the_north_of_mars_is_low() {
     let (terrain, places) = (terrain("mars"), spread(4000));
     let mean = |sign: f64| {
         let half: Vec<DVec3> = places.iter().copied().filter(|d| d.z * sign > 0.4).collect();
@@ -344,7 +344,7 @@ fn north_of_mars_is_not_low() {
 }
 
 #[test]
-fn seed_is_ignored() {
+fn the_seed_changes_the_terrain() {
     let mut recipe = recipe("tiny");
     let before = heights(&Terrain::new(&recipe).unwrap(), &spread(100));
     recipe.seed += 1;
@@ -379,7 +379,7 @@ fn mapped(bytes: Vec<u8>, placement: &str) -> Result<Terrain, String> {
 }
 
 #[test]
-fn wrong_image_is_accepted() {
+fn wrong_images_are_refused() {
     use png::{BitDepth, ColorType};
     let grey = ColorType::Grayscale;
     let cases = [
@@ -399,7 +399,7 @@ fn wrong_image_is_accepted() {
 }
 
 #[test]
-fn planet_map_is_misplaced() {
+fn a_map_of_the_planet_lies_at_its_place() {
     // White in the column east of longitude 90, black elsewhere but for a grey northernmost row.
     let pixel = |x: u32, y: u32| if y == 0 { 32_768 } else { u16::from(x == 48) * 65_535 };
     let terrain = mapped(grey16(64, 32, pixel), "").unwrap();
@@ -412,7 +412,7 @@ fn planet_map_is_misplaced() {
 }
 
 #[test]
-fn local_map_is_misplaced() {
+fn a_local_map_lies_at_its_place() {
     // 4000 m wide, its right half white; centre at 30 N 40 E.
     let place = "latitude_deg = 30.0\nlongitude_deg = 40.0\nwidth_m = 4000.0\nblend_m = 400.0\n";
     let bytes = grey16(64, 64, |x, _| u16::from(x >= 32) * 65_535);

@@ -47,7 +47,7 @@ fn differing(planet: &Planet, views: &[View], looked_at: &dyn Fn(&View, &LoadedP
 }
 
 #[test]
-fn what_is_left_out_would_not_be_drawn() {
+fn what_is_left_out_is_not_drawn() {
     let planet = planet(&FIELD, 32);
     let views = views(&planet, &FIELD, 30);
     assert_eq!(differing(&planet, &views, &|view, patch| patch.reach.work(view)), 0);

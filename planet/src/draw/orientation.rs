@@ -145,7 +145,7 @@ mod tests {
     }
 
     #[test]
-    fn a_steeper_term_would_break_the_certificate() {
+    fn a_steeper_term_breaks_the_certificate() {
         let eye = DVec3::X * (RADIUS + 2e4);
         let term = Orientation::new(eye, RADIUS, 2.5).unwrap();
         let steeper = Orientation { height: 1.05 * term.height, ..term };
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn it_counts_near_the_ground_and_vanishes_from_afar() {
+    fn the_term_counts_near_the_ground_and_vanishes_from_afar() {
         let at = |altitude: f64| Orientation::new(DVec3::Z * (RADIUS + altitude), RADIUS, 2.3);
         let near = at(100.0).unwrap();
         assert!((near.distance(DVec3::NEG_Z * 100.0) / 100.0 - 2.0 * 1.3f64.sqrt()).abs() < 0.02, "{near:?}");

@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn another_share_than_the_recipe_says_is_covered() {
+    fn clouds_cover_the_share_that_the_recipe_says() {
         for cover in [0.2, 0.6] {
             let covered = map(cover)[0].iter().filter(|x| x[0] > CLOUD_EDGE).count();
             assert!((covered as f64 / (128 * 128) as f64 - cover).abs() < 0.01);
@@ -234,7 +234,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_do_not_meet() {
+    fn edges_of_the_map_meet() {
         for (power, level) in map(0.5).iter().enumerate() {
             let (side, last) = (128 >> power, (128 >> power) - 1);
             for k in 0..side {
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn detail_shifts_the_mean_or_does_not_repeat() {
+    fn detail_keeps_the_mean_and_repeats() {
         let levels = cloud_detail(5);
         assert!(levels[8][0][0].abs() < 1e-3 && levels.len() == 9);
         let step = |x: usize| (levels[0][x][0] - levels[0][(x + 1) % DETAIL_SIDE][0]).abs();

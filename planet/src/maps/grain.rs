@@ -138,7 +138,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn grain_shifts_the_mean_or_has_another_strength() {
+    fn grain_has_mean_zero_and_unit_variance() {
         for levels in [grain_map(3), crown_map(3)] {
             assert_eq!((levels.len(), levels[8].len()), (9, 1));
             let mean = |of: &dyn Fn(&[f32; 3]) -> f32| levels[0].iter().map(of).sum::<f32>() / levels[0].len() as f32;
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn crowns_break_at_the_edge_of_the_map() {
+    fn crowns_continue_across_the_edge_of_the_map() {
         let (heights, _) = crowns(3);
         let step = |a: usize, b: usize| (heights[a] - heights[b]).abs();
         let across =

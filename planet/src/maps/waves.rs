@@ -108,7 +108,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn maps_hold_other_variance_than_their_band() {
+    fn maps_hold_the_variance_of_their_band() {
         let mut resolved = 0.0;
         for (seed, cascade) in CASCADES.iter().enumerate() {
             let levels = wave_map(cascade, seed as u64);
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn maps_do_not_tile() {
+    fn maps_tile() {
         let level = &wave_map(&CASCADES[0], 1)[0];
         let jump = |a: usize, b: usize| (level[a][0] - level[b][0]).abs();
         let inside = (1..WAVE_SIDE).map(|x| jump(x, x - 1)).fold(0.0, f32::max);

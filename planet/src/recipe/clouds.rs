@@ -32,7 +32,7 @@ mod tests {
     use std::path::Path;
 
     #[test]
-    fn clouds_are_left_out_or_out_of_range() {
+    fn clouds_are_optional_and_checked() {
         let read = |table: &str| {
             let text = format!("{}\n{table}", include_str!("../../recipes/tiny.toml"));
             Recipe::from_toml(&text, "tiny.toml", Path::new("")).map_err(|e| e.to_string())

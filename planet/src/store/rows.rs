@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_name_other_patches() {
+    fn keys_name_their_patches() {
         for face in Face::ALL {
             for (level, x, y) in [(0, 0, 0), (5, 31, 0), (21, (1 << 21) - 1, (1 << 21) - 2)] {
                 let patch = PatchId::new(face, level, x, y);

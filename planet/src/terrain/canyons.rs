@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stairs_jump_or_miss_their_ends() {
+    fn stairs_are_continuous_and_meet_their_ends() {
         let steps: Vec<f32> = (0..=1000).map(|i| stairs(i as f32 * 1e-3)).collect();
         assert_eq!((steps[0], steps[1000]), (0.0, 1.0));
         assert!(steps.windows(2).all(|w| w[0] <= w[1] && w[1] - w[0] < 4e-3), "steps of a thousandth");

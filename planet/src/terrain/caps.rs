@@ -133,7 +133,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn troughs_have_steps_or_two_like_sides() {
+    fn troughs_are_continuous_and_have_one_steep_side() {
         let depth: Vec<f32> = (0..=1000).map(|i| dip(i as f32 * 1e-3)).collect();
         assert_eq!((depth[0], depth[1000]), (0.0, 0.0));
         assert!(depth.windows(2).all(|w| (w[1] - w[0]).abs() < 0.01), "a step");
@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn spirals_break_where_the_angle_starts_again() {
+    fn spirals_continue_where_the_angle_starts_again() {
         let recipe = recipe::Caps { latitude_deg: 80.0, height_m: 2000.0, trough_m: 500.0, apart_m: 50e3 };
         let caps = Caps::new(1, &recipe, 3.4e6);
         let at = |x: f64, y: f64, z: f64| {

@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn climate_jumps_at_the_edges_of_faces() {
+    fn climate_is_continuous_at_the_edges_of_faces() {
         let climate = climate();
         for i in 0..400 {
             let along = f64::from(i) / 200.0 - 1.0;
@@ -200,7 +200,7 @@ mod tests {
     }
 
     #[test]
-    fn rain_does_not_depend_on_the_wind() {
+    fn the_lee_of_mountains_is_drier() {
         // A wall from pole to pole across the trade winds, and sea elsewhere: its lee is drier than the side that the wind hits.
         let directions: Vec<DVec3> = (0..6 * (SIDE + 1) * (SIDE + 1)).map(direction).collect();
         let wall =
@@ -211,7 +211,7 @@ mod tests {
     }
 
     #[test]
-    fn winds_blow_everywhere_the_same_way() {
+    fn winds_turn_with_the_latitude() {
         let zonal = |latitude: f64| wind(direction_at(latitude, 0.0)).y;
         assert!(zonal(10.0) < -0.5 && zonal(45.0) > 0.5 && zonal(-45.0) > 0.5 && zonal(75.0) < 0.0);
     }

@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn dunes_have_a_step_at_their_feet() {
+    fn dunes_meet_the_ground_at_their_feet() {
         assert_eq!((ridge(0.0), ridge(1.0)), (0.0, 0.0));
         assert!((ridge(WINDWARD) - 1.0).abs() < 1e-5 && ridge(0.4) < ridge(0.6) && ridge(0.9) < ridge(0.8));
     }

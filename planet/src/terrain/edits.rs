@@ -203,7 +203,7 @@ mod tests {
         [Shape::Crater { depth_m: 40.0, ground_m: Some(12.0) }, Shape::Flatten { height_m: 25.0 }, Shape::Raise { by_m: -7.0 }];
 
     #[test]
-    fn middles_are_not_as_asked() {
+    fn middles_of_edits_are_as_asked() {
         for (shape, expected) in SHAPES.into_iter().zip([-28.0, 25.0, 3.0]) {
             assert!((section(shape, 0.0) - expected).abs() < 1e-9, "{shape:?}: {}", section(shape, 0.0));
         }
@@ -212,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn ground_out_of_reach_changes_its_bits() {
+    fn ground_out_of_reach_keeps_its_bits() {
         for shape in SHAPES {
             let reach = edit(0.0, 0.0, 100.0, shape).reach_m();
             assert_eq!(section(shape, reach * 1.000_001).to_bits(), 10.0f64.to_bits(), "{shape:?}");
@@ -221,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn edges_have_cliffs_or_kinks() {
+    fn edges_of_edits_are_smooth() {
         for shape in SHAPES {
             let reach = edit(0.0, 0.0, 100.0, shape).reach_m();
             let slope = |x: f64| (section(shape, x + 0.01) - section(shape, x)) / 0.01;
@@ -259,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn the_tree_misses_edits_or_their_order() {
+    fn the_tree_finds_all_edits_in_order() {
         let (edits, points) = crowd();
         let all = Edits::new(&edits, PLANET_M);
         let mut found = vec![1.0; points.len()];
@@ -277,7 +277,7 @@ mod tests {
     }
 
     #[test]
-    fn heights_leave_their_bounds() {
+    fn heights_stay_within_their_bounds() {
         let (edits, points) = crowd();
         let all = Edits::new(&edits, PLANET_M);
         let bounds = all.bounds((1.0, 1.0));

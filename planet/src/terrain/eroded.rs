@@ -187,7 +187,7 @@ mod tests {
     use crate::terrain::noise::unit;
 
     #[test]
-    fn mountains_leave_their_bounds_or_are_flat() {
+    fn mountains_fill_their_bounds_and_stay_within() {
         let eroded = Eroded::new(5, &Octaves { wavelength_m: 15e3, detail_m: 2.0, gain: 0.8 });
         let (mut lowest, mut highest) = (f32::MAX, 0.0_f32);
         for n in 0..200_u64 {

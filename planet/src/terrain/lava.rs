@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lava_leaves_hollows_or_covers_hills() {
+    fn lava_fills_hollows_and_spares_hills() {
         let recipe = recipe::Lava { level_m: -1000.0, shore_m: 100.0, ridge_m: 0.0, ridge_apart_m: 100e3 };
         let (lava, p) = (Lava::new(3, &recipe), Points::at([[1e6; LANES]; 3]));
         let at = |base: f32| base + lava.metres(&p, &[base; LANES]).map_or(0.0, |own| own[0]);

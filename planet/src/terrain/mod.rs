@@ -393,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn wide_instructions_change_heights() {
+    fn wide_instructions_keep_the_bits_of_heights() {
         for name in ["terra", "luna", "mars", "tiny"] {
             let terrain = terrain(name);
             let mut distinct = std::collections::HashSet::new();
@@ -412,7 +412,7 @@ mod tests {
     }
 
     #[test]
-    fn wide_instructions_change_albedo() {
+    fn wide_instructions_keep_the_albedo() {
         for name in ["terra", "luna", "mars"] {
             let terrain = terrain(name);
             for directions in chunks(terrain.radius) {

@@ -327,7 +327,7 @@ mod tests {
     }
 
     #[test]
-    fn one_cell_for_all_differs_from_a_cell_for_each() {
+    fn one_cell_for_all_equals_a_cell_for_each() {
         let p = points(10.0);
         for cell_m in [0.7, 30.0, 4e5] {
             let lattice = Lattice::new(7, 1, cell_m);
@@ -342,7 +342,7 @@ mod tests {
     }
 
     #[test]
-    fn slope_is_not_the_derivative() {
+    fn slope_is_the_derivative() {
         let (lattice, metres) = (Lattice::new(7, 1, 300.0), 0.5);
         let p = points(5e3);
         let mut slopes = [[0.0; 3]; LANES];
@@ -364,7 +364,7 @@ mod tests {
     }
 
     #[test]
-    fn waves_are_not_waves() {
+    fn waves_are_sines_and_cosines() {
         for i in -300..300 {
             let turns = i as f32 * 0.01;
             assert!((sine_of_turns(turns) - (turns * std::f32::consts::TAU).sin()).abs() < 2e-3, "{turns}");
@@ -382,7 +382,7 @@ mod tests {
     }
 
     #[test]
-    fn cell_borders_break_continuity() {
+    fn noise_is_continuous_across_cell_borders() {
         for i in -20..20 {
             let x = i as f32 + 0.5;
             let step = noise_at(5, [x - 1e-6, 0.3, 0.2]) - noise_at(5, [x + 1e-6, 0.3, 0.2]);
@@ -391,7 +391,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_has_a_bias_or_the_wrong_strength() {
+    fn noise_has_no_bias_and_the_expected_strength() {
         let values: Vec<f32> =
             [3.0, 5.0, 11.0].into_iter().flat_map(|m| lanes(&Lattice::new(m as u64, 2, m), &points(1e5))).collect();
         let mean = values.iter().sum::<f32>() / values.len() as f32;
@@ -400,7 +400,7 @@ mod tests {
     }
 
     #[test]
-    fn gradients_depend_on_each_other() {
+    fn gradients_are_uncorrelated() {
         // Correlation of every component with every component of the same and of the next cell on each axis.
         let at = |c: [u32; 3]| Corners::new(9, c).gradient(0);
         let cells = 40_000u32;

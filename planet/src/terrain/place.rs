@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn headings_point_elsewhere() {
+    fn headings_point_where_they_say() {
         let at = |point: [f64; 3], heading: f64| {
             let place = Place::new(0.0, 90.0, heading, 1000.0);
             let p = Points::at(point.map(|x| [x; LANES]));

@@ -116,7 +116,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rotations_are_not_orthonormal() {
+    fn rotations_are_orthonormal() {
         for rows in ROTATIONS {
             for (a, b) in [(0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2)] {
                 let dot: f64 = (0..3).map(|k| rows[a][k] * rows[b][k]).sum();
@@ -126,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn orientations_line_up() {
+    fn orientations_do_not_line_up() {
         let axes: Vec<(usize, DVec3)> =
             ROTATIONS.iter().enumerate().flat_map(|(turn, rows)| rows.map(|row| (turn, DVec3::from_array(row)))).collect();
         for (turn, a) in &axes {
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn bounds_leave_points_out() {
+    fn bounds_contain_all_points() {
         let mut place = [[1.0; LANES]; 3];
         (place[1][5], place[2][LANES - 1]) = (-40.0, 70.0);
         for turned in Points::at(place).turned {

@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn curve_overshoots_or_misses_its_points() {
+    fn the_curve_passes_its_points_without_overshoot() {
         let pairs = [[-1.0, -4000.0], [-0.2, -3900.0], [-0.1, -100.0], [0.0, 0.0], [0.5, 0.0], [1.0, 900.0]];
         let profile = Profile::new(&pairs);
         let at = |x: f64| profile.lanes(&[x as f32; LANES])[0];

@@ -198,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vertex_that_is_elsewhere_on_its_way_on_one_side_is_a_crack() {
+    fn a_vertex_with_two_drawn_positions_is_a_crack() {
         for weight in [0.0, 0.25] {
             assert_eq!(sliding([weight; 2]), SurfaceReport { triangles: 4, ..Default::default() }, "{weight}");
         }
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn triangles_that_turn_over_on_the_way_are_flipped() {
+    fn triangles_that_a_geomorph_turns_over_are_flipped() {
         let (mut vertices, triangles) = tetrahedron();
         // Past the plane of the other side.
         vertices[0].position = [-3000; 3];

@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_edit_touches_everything_or_nothing() {
+    fn a_small_edit_touches_a_few_patches() {
         for level in 0..6 {
             let inside = all(level).nth((1 << level) / 2).unwrap();
             let middle = touched(inside.centre() + DVec3::splat(1e-3), 10.0);
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn the_patches_round_a_corner_are_left_out() {
+    fn an_edit_at_a_corner_touches_the_patches_around_it() {
         // A corner of the cube belongs to three patches; its lines, to their parents' other children beside them.
         let corner = touched(direction(IVec3::new(ONE, ONE, ONE)), 1.0);
         for level in 1..6 {

@@ -254,7 +254,7 @@ mod tests {
     }
 
     #[test]
-    fn shared_sites_differ_from_each_lane_its_own() {
+    fn shared_sites_give_the_bits_of_single_points() {
         for (diameter_m, spread) in [(300.0, 900.0), (20.0, 60.0), (20.0, 900.0), (2.0, 900.0)] {
             let mut high = 0;
             for class in (0..6).map(|seed| class(seed, diameter_m)) {
@@ -271,7 +271,7 @@ mod tests {
     }
 
     #[test]
-    fn craters_do_not_fill_the_sphere() {
+    fn craters_cover_every_octant_alike() {
         // Every side, edge and corner of the cube about the sphere has its share.
         let class = class(3, 20.0);
         let mut counts = [0; 8];
@@ -287,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn lava_leaves_old_craters() {
+    fn lava_buries_old_craters() {
         let p = Points::at(points(900.0));
         let deep = |left: f32| {
             let low = |class: Class| class.sum(&p, &[0.0; LANES], &[left; LANES]).height.iter().filter(|&&h| h < -0.02).count();
@@ -297,7 +297,7 @@ mod tests {
     }
 
     #[test]
-    fn rays_of_neighbours_differ_from_rays_of_points() {
+    fn rays_of_neighbours_have_the_bits_of_single_points() {
         let places = points(200.0);
         let mut bright = 0;
         for class in (0..6).map(|seed| class(seed, 300.0)) {

@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn craters_have_steps_or_no_end() {
+    fn craters_are_continuous_and_end() {
         for (complex, young, noise) in
             [0.0, 0.5, 1.0].into_iter().flat_map(|c| [0.0, 0.6, 1.0].into_iter().flat_map(move |y| NOISES.map(|n| (c, y, n))))
         {
@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn old_craters_are_as_deep_or_as_sharp() {
+    fn old_craters_are_shallower_and_smoother() {
         let shape = Shape::new(0.0, 0.0, 2.0);
         let depth = |young| heights(&shape, young, 0.0).into_iter().fold(0.0, f32::min);
         assert!(depth(1.0) < -0.95 && depth(0.2) > -0.35, "{} and {}", depth(1.0), depth(0.2));
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn walls_have_no_terraces() {
+    fn walls_of_complex_craters_have_terraces() {
         let rises = |complex: f32| {
             let walls: Vec<f32> = (480..1000).map(|i| bowl(i as f32 * 1e-3, complex)).map(|h| h + terraces(h, 0.0)).collect();
             let rises: Vec<f32> = walls.windows(2).map(|w| w[1] - w[0]).collect();

@@ -77,7 +77,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn gaps_fade_unevenly() {
+    fn gaps_fade_evenly() {
         let mut heights = vec![1.0; 21 * 21];
         assert!(Cover::new(&Heightfield::new(21, 21, heights.clone()).unwrap()).is_none());
         heights[10 * 21 + 10] = f32::NAN;
