@@ -128,7 +128,7 @@ fn threads_order_and_a_stop_do_not_change_bytes() {
     let (resumed, rest) = go("stop", &plan, 2, usize::MAX);
     assert_eq!((rest.skipped, rest.built, rest.interrupted), (summary.built, 126 - summary.built, false));
     assert!(records(&resumed) == expected, "after a stop");
-    // The comparison would see one changed byte.
+    // The comparison finds one changed byte.
     let mut changed = records(&two);
     changed[77].1[100] ^= 1;
     assert!(changed != expected);

@@ -1,4 +1,4 @@
-//! The builder on single patches: nothing stuck, everything certified, closure at every vertex.
+//! The builder on single patches: every vertex collapses, has a certified wake distance, and wakes after those that it needs.
 
 mod common;
 

@@ -1,5 +1,5 @@
-//! The surface of an edited file: patches that were built again beside patches that were not, watertight by bits, nothing flipped,
-//! closure kept.
+//! The surface of an edited file: patches that were built again beside patches that were not. It is watertight by position bits, no
+//! triangle is flipped, and no awake vertex has an asleep one that it needs.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -24,7 +24,7 @@ use whole_planet::{draw, of_meshes, views_over};
 
 const CELLS: u32 = 16;
 
-/// A corner of three faces: the file is finest about it, and the edits lie on it and beside it.
+/// A corner of three faces: the file holds its finest patches around it, and the edits lie on it and beside it.
 fn corner() -> DVec3 {
     DVec3::ONE.normalize()
 }
@@ -51,7 +51,7 @@ fn baked(path: &Path) -> (PlanetFile, Planet) {
     (file, planet)
 }
 
-/// Cracks of some views of a file's patches; everything else that is wrong fails.
+/// Cracks in some views of a file's patches; with `must_be_clean`, any fault fails the test.
 fn cracks(patches: &whole_planet::Planet, planet: &Planet, must_be_clean: bool) -> usize {
     let mut cracks = 0;
     for (k, view) in views_over(patches, &|d| planet.terrain.height(d), 40).iter().enumerate() {
@@ -78,7 +78,7 @@ fn edited_ground_is_watertight() {
     let rebuilt: Vec<usize> = (0..ids.len()).filter(|&k| before[k] != after[k]).collect();
     assert!(rebuilt.len() > 20 && rebuilt.len() < ids.len(), "{} of {} patches differ", rebuilt.len(), ids.len());
     cracks(&of_meshes(planet.lattice, CELLS, after.iter().cloned()), &planet, true);
-    // One finest patch under the crater as it was.
+    // The negative control: one of the finest patches under the crater is that of the unedited file.
     let stale = rebuilt.into_iter().rfind(|&k| ids[k] == PatchId::containing(corner(), 5)).unwrap();
     let mixed = after.iter().enumerate().map(|(k, mesh)| if k == stale { before[k].clone() } else { mesh.clone() });
     assert!(cracks(&of_meshes(planet.lattice, CELLS, mixed), &planet, false) > 0, "the crack test cannot fail");

@@ -1,5 +1,5 @@
-//! Edits of a planet file's ground: the same bytes as a bake of the edited recipe, wherever the edit lies; undone without a trace;
-//! never half made; closed over the edited ground.
+//! Edits of a planet file's ground: an edited file has the bytes of a bake of the edited recipe, wherever the edit lies; an undone edit
+//! leaves the bytes of before; an unfinished edit leaves no patch of the old ground.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -53,7 +53,7 @@ fn original() -> &'static Path {
     path
 }
 
-/// A copy of it to edit.
+/// A copy of the unedited planet, opened to be edited.
 fn copy(folder: &Path) -> PlanetFile {
     let path = folder.join("edited.planet");
     std::fs::copy(original(), &path).unwrap();
@@ -125,7 +125,7 @@ fn edited_files_equal_bakes_of_the_edited_recipe() {
         let reached = differing(&before, &fresh);
         assert!(!reached.is_empty() && reached.len() <= changed.touched, "{name}: {} of {}", reached.len(), changed.touched);
         assert!(changed.touched < 60, "{name}: {} patches touched", changed.touched);
-        // Patches whose ground the edit does not reach, but whose gutters or sides do.
+        // Patches whose own ground the edit does not reach, but the samples around it that gutters and borders need.
         let far = |id: &&PatchId| id.centre().angle_between(place) * 30e3 > edit.reach_m() + 38e3 / f64::from(1u32 << id.level);
         beyond += reached.iter().filter(far).count();
         let changed = undo_last(&mut file).unwrap();
@@ -206,7 +206,7 @@ fn an_edit_stopped_half_way_leaves_patches_of_one_ground() {
     let reader = PlanetFile::open(file.path()).unwrap();
     assert!(left.iter().all(|&id| !reader.contains(id).unwrap()), "a reader sees the ground of before");
     assert_eq!(reader.index().unwrap().len(), all - left.len());
-    // Baking anything into it finishes it.
+    // A bake into an unfinished file finishes its edit first.
     let mut again = PlanetFile::create_or_resume(file.path(), &changed.planet.header()).unwrap();
     go(&mut again, &changed.planet, &BakePlan::new(30e3, 0, None).unwrap());
     assert_eq!(again.pending().unwrap(), []);

@@ -1,5 +1,5 @@
-//! Cameras where nobody stands: poles, face edges and corners, the far side, inside a mountain, the planet's centre, a million
-//! kilometres away. Nothing panics, every number is one, and what is drawn is the planet.
+//! Cameras at extreme positions: over poles, face edges and corners, inside a mountain, at the planet's centre, a million kilometres
+//! away. Nothing panics, every number is finite, and the picture shows the planet.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
@@ -29,9 +29,9 @@ const CELLS: u32 = 16;
 enum Sight {
     /// Some of it.
     Ground,
-    /// Only triangles from behind, which are not drawn.
+    /// Only the back faces of triangles, which are not drawn.
     Nothing,
-    /// From behind what is near, and from outside what lies beyond a valley.
+    /// Back faces of the near ground, and front faces of the ground beyond a valley.
     Through,
 }
 
@@ -100,8 +100,8 @@ fn pixels(camera: &Camera) -> Vec<Ray> {
     steps().flat_map(|x| steps().map(move |y| Ray { origin: DVec3::ZERO, direction: through(x, y) })).collect()
 }
 
-/// Draws the view on the CPU: the surface without culling must be whole. Returns in how many of some pixels there is ground, and whether there
-/// is in the middle.
+/// Draws the view on the CPU; the surface without culling must have no fault. Returns how many of some pixels show ground, and whether the
+/// middle one does.
 fn draw(planet: &Planet, view: &View, name: &str) -> (usize, bool) {
     let cut = cut(&planet.tree, view, &|_| true);
     let whole = view.without_culling();
@@ -160,7 +160,7 @@ fn a_camera_at_no_position_is_noticed() {
 fn what_lies_behind_the_horizon_is_not_drawn() {
     let planet = planet(&FIELD, CELLS);
     let known = known(&planet);
-    // The finest patches lie about one face corner; seen from above the opposite one they are the far side.
+    // The finest patches lie around one face corner. For a camera above the opposite corner they are on the far side.
     let place = direction(IVec3::new(-ONE, -ONE, -ONE));
     let far: Vec<PatchId> = planet.tree.ids().filter(|id| id.centre().dot(place) < -0.8).collect();
     assert!(far.len() > 50, "{} patches prove little", far.len());

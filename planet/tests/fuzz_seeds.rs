@@ -1,4 +1,4 @@
-//! Every seed of the fuzzer goes through the function that the fuzzer calls: what it once found stays found.
+//! Every seed of the fuzzer goes through the function that the fuzzer calls: a fault that it once found does not return.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -15,7 +15,7 @@ fn run(target: &str, function: fn(&[u8])) {
     seeds.sort();
     assert!(seeds.len() >= 3, "{} holds too few seeds", folder.display());
     for seed in seeds {
-        // Shown with the panic of a seed that fails.
+        // The output of a failed test ends with the seed that failed.
         println!("{}", seed.display());
         function(&std::fs::read(&seed).unwrap());
     }

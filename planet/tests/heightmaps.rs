@@ -25,7 +25,7 @@ fn mapped(name: &str, bytes: Vec<u8>, keys: &str) -> Result<Terrain, String> {
     Terrain::new(&recipe).map_err(|e| e.to_string())
 }
 
-/// Degrees on WGS 84, pixels are points.
+/// GeoTIFF keys: coordinates in degrees on WGS 84, samples at points.
 const GEOGRAPHIC: [u16; 16] = [1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 2, 2048, 0, 1, 4326];
 
 /// A 64 × 32 GeoTIFF with steps of 1/100 degree whose first sample lies at a place; no data is -32768.
@@ -159,7 +159,7 @@ fn jacksboro_lies_at_its_place() {
         let wanted = f64::from(file.field.at(column, row));
         worst = worst.max((terrain.height(direction_at(north, east)) - wanted).abs());
     }
-    // Finer relief of the recipe lies on top.
+    // The recipe adds finer relief to the file's heights.
     assert!(worst > 0.0 && worst < 15.0, "{worst} m");
     // No step where the data ends: beside every edge the ground rises no more than hills do.
     let step = |a: DVec3, b: DVec3| (terrain.height(a) - terrain.height(b)).abs() / (a.distance(b) * recipe.radius);

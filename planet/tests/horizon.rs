@@ -1,4 +1,4 @@
-//! Horizons of the relief against the terrain itself, looked at in many more places.
+//! Horizon angles and ambient occlusion of patches, against angles that brute force finds on the terrain at many more places.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
@@ -24,7 +24,7 @@ fn low_sun(place: DVec3, azimuth: f64) -> DVec3 {
     (0.15 * place + east * azimuth.sin() + north * azimuth.cos()).normalize()
 }
 
-/// Sine of the horizon's elevation by steps of an eighth of a cell near by, and ever longer ones.
+/// Sine of the horizon angle by brute force: the terrain at steps of an eighth of a cell near the place, and at longer ones farther away.
 fn brute(planet: &Planet, up: DVec3, sun: DVec3, cell: f64) -> f64 {
     let towards = (sun - up * sun.dot(up)).normalize();
     let own = planet.terrain.height(up);
@@ -42,7 +42,7 @@ fn brute(planet: &Planet, up: DVec3, sun: DVec3, cell: f64) -> f64 {
 /// A place in Luna's highlands: in a mare a sun of any azimuth sees the same horizon.
 const CRATERED: [f64; 2] = [-20.0, -60.0];
 
-/// Differences of the map from the brute force over patches of a planet, sorted; `turn` turns the sun that the map is made for.
+/// Differences of maps from brute force over patches of a planet, sorted. The maps are made for a sun that is turned by `turn` radians.
 fn differences(planet: &Planet, turn: f64) -> Vec<f64> {
     let (grids, mut differences) = (WideGrids::default(), Vec::new());
     for (k, level) in [6u8, 9, 12].into_iter().enumerate() {
@@ -66,7 +66,7 @@ fn horizon_angles_agree_with_brute_force() {
     let planet = planet("luna");
     let right = differences(&planet, 0.0);
     let share = |sorted: &[f64], q: f64| sorted[(q * (sorted.len() - 1) as f64) as usize];
-    // The ground between samples is what the map cannot know: half a degree in the middle, two at a rim.
+    // The map does not know the ground between its samples: the median is off by half a degree, places below crater rims by two.
     assert!(share(&right, 0.5) < 0.01 && share(&right, 0.95) < 0.04, "{} {}", share(&right, 0.5), share(&right, 0.95));
     let turned = differences(&planet, 1.5);
     let medians = [share(&right, 0.5), share(&turned, 0.5)];

@@ -1,4 +1,4 @@
-//! Geomorphs: the drawn surface moves in proportion to the viewer, and not at all at once.
+//! Geomorphs: the drawn surface moves in proportion to the viewer's motion, and never jumps.
 //!
 //! Between two frames the surface is probed along rays from the planet's centre: through every drawn vertex of both frames, and through
 //! random places, inside both pictures. A motion is the radial distance between the two hits, in pixels as the camera sees it.
@@ -31,11 +31,11 @@ const FINEST: u8 = 5;
 /// Random places a patch and pair of frames.
 const RANDOM_PLACES: usize = 20;
 
-/// Pixels below which halving is not asked for. Turns on the spot move little else than this: vertices in the picture slide by their
-/// distance alone, and those that come into it end their slides in the midst of a step.
+/// Motions below so many pixels need not halve. Turns on the spot cause few larger ones: the weights of vertices in the picture follow
+/// their distance alone, which does not change, and vertices that come into the picture end their geomorphs in the middle of a step.
 const SMALLEST: f64 = 1e-3;
 
-/// Largest distance between two frames, as a share of the viewer's height. A vertex slides over a thirtieth of its distance.
+/// Largest distance between two frames, as a share of the viewer's height. A geomorph lasts for a thirtieth of the vertex's distance.
 const STEP: f64 = 1.0 / 500.0;
 
 /// What is drawn of one patch.
@@ -96,7 +96,7 @@ fn drawn(planet: &Planet, view: &View, leaf: &Leaf) -> DrawnPatch {
 #[derive(Clone, Copy, Debug, Default)]
 struct Motion {
     pixels: f64,
-    /// Largest motion over what a slide moves: the whole tolerance over the length of a slide, for each unit that the viewer moves.
+    /// Largest motion as a share of what a geomorph may cause: one tolerance while the viewer moves by the geomorph's length.
     share_of_slide: f64,
     places: usize,
     cut_changed: bool,
@@ -149,7 +149,7 @@ enum Path {
 }
 
 /// Where a path begins.
-struct Stand {
+struct Viewpoint {
     place: DVec3,
     height: f64,
     /// Radians above the horizontal.
@@ -158,7 +158,7 @@ struct Stand {
     path: Path,
 }
 
-impl Stand {
+impl Viewpoint {
     /// The view `way` along the path: in heights of the viewer, or in radians of a turn.
     fn view(&self, planet: &Planet, way: f64, geomorphs: bool) -> View {
         let up = self.place;
@@ -166,7 +166,7 @@ impl Stand {
         let base = up * (FIELD.radius + FIELD.at(up) + self.height);
         let (position, turn) = match self.path {
             Path::Approach => (base - up * (way * self.height), 0.0),
-            // The distance outside the picture counts up to three times: slides are as much shorter.
+            // Distance outside the picture counts up to three times, which makes geomorphs as much shorter.
             Path::Pan => (base, way / 4.0),
             Path::FlyBy => (base + ahead.cross(up) * (way * self.height), 0.0),
         };
@@ -200,37 +200,38 @@ impl Stand {
 }
 
 /// Paths over several places at several tolerances, all certified.
-fn stands(planet: &Planet) -> Vec<Stand> {
+fn viewpoints(planet: &Planet) -> Vec<Viewpoint> {
     let places = [DVec3::ONE, DVec3::new(1.0, 0.98, 0.9), DVec3::new(1.0, 0.2, 1.0), DVec3::new(-0.3, 0.5, 0.8)];
-    let mut stands = Vec::new();
+    let mut viewpoints = Vec::new();
     for (k, tolerance) in [0.5, 1.0, 2.0].into_iter().enumerate() {
         for (p, path) in [Path::Approach, Path::Pan, Path::FlyBy].into_iter().enumerate() {
             for (i, height) in [1_500.0, 8_000.0].into_iter().enumerate() {
                 let place = places[(k + p + i) % places.len()].normalize();
-                let stand = Stand { place, height, pitch: -0.6, tolerance, path };
-                assert!(stand.view(planet, 0.0, true).scale >= 1.0);
-                stands.push(stand);
+                let viewpoint = Viewpoint { place, height, pitch: -0.6, tolerance, path };
+                assert!(viewpoint.view(planet, 0.0, true).scale >= 1.0);
+                viewpoints.push(viewpoint);
             }
         }
     }
-    stands
+    viewpoints
 }
 
 /// Motions over all paths in steps of STEP and of half of that.
 fn motions(planet: &Planet, geomorphs: bool) -> Vec<[Motion; 2]> {
-    let both = |stand: &Stand| [STEP, STEP / 2.0].map(|step| stand.largest_motion(planet, 4.0 * STEP, step, geomorphs));
-    stands(planet).iter().map(both).collect()
+    let both =
+        |viewpoint: &Viewpoint| [STEP, STEP / 2.0].map(|step| viewpoint.largest_motion(planet, 4.0 * STEP, step, geomorphs));
+    viewpoints(planet).iter().map(both).collect()
 }
 
 #[test]
 fn halving_the_way_between_frames_halves_the_motion() {
     let planet = planet(&FIELD, 16);
     let mut moving = 0;
-    for ([whole, half], stand) in motions(&planet, true).iter().zip(stands(&planet)) {
-        println!("{:?} at {} px, {} m: {whole:?} {half:?}", stand.path, stand.tolerance, stand.height);
-        // What a vertex moves while it slides is at most the tolerance, so no motion is faster than that over the length of a slide.
+    for ([whole, half], viewpoint) in motions(&planet, true).iter().zip(viewpoints(&planet)) {
+        println!("{:?} at {} px, {} m: {whole:?} {half:?}", viewpoint.path, viewpoint.tolerance, viewpoint.height);
+        // A vertex moves by at most the tolerance during its geomorph, so no motion is faster than that over the geomorph's length.
         assert!(whole.share_of_slide <= 1.0 && half.share_of_slide <= 1.0);
-        assert!(half.pixels <= 0.6 * whole.pixels + SMALLEST, "{:?} at {} px", stand.path, stand.tolerance);
+        assert!(half.pixels <= 0.6 * whole.pixels + SMALLEST, "{:?} at {} px", viewpoint.path, viewpoint.tolerance);
         moving += usize::from(whole.pixels > 5.0 * SMALLEST);
     }
     assert!(moving >= 9, "{moving} paths prove little");
@@ -246,11 +247,11 @@ fn without_geomorphs_motions_do_not_shrink() {
 }
 
 /// Views to either side of every change of the cut along an approach.
-fn changes_of_the_cut(planet: &Planet, stand: &Stand) -> Vec<[View; 2]> {
-    let leaves = |way: f64| cut(&planet.tree, &stand.view(planet, way, true), &|_| true).leaves;
+fn changes_of_the_cut(planet: &Planet, viewpoint: &Viewpoint) -> Vec<[View; 2]> {
+    let leaves = |way: f64| cut(&planet.tree, &viewpoint.view(planet, way, true), &|_| true).leaves;
     let mut found = Vec::new();
     for k in 0..40 {
-        // By equal factors, a hundred in all.
+        // The height falls by equal factors, to a hundredth in all.
         let [mut low, mut high] = [k, k + 1].map(|k| 1.0 - 0.01f64.powf(f64::from(k) / 40.0));
         if leaves(low) == leaves(high) {
             continue;
@@ -264,7 +265,7 @@ fn changes_of_the_cut(planet: &Planet, stand: &Stand) -> Vec<[View; 2]> {
                 high = middle;
             }
         }
-        found.push([low, high].map(|way| stand.view(planet, way, true)));
+        found.push([low, high].map(|way| viewpoint.view(planet, way, true)));
     }
     found
 }
@@ -276,8 +277,8 @@ fn where_the_cut_changes_the_surface_moves_by_two_tolerances_at_most() {
     let places = [DVec3::ONE, DVec3::new(1.0, 0.95, 0.98), DVec3::new(1.0, 0.97, 1.0), DVec3::new(0.98, 1.0, 0.96)];
     for (place, tolerance) in places.into_iter().zip([0.5, 1.0, 2.0, 1.0]) {
         let place = place.normalize();
-        let stand = Stand { place, height: 600_000.0, pitch: -1.5, tolerance, path: Path::Approach };
-        for [before, after] in changes_of_the_cut(&planet, &stand) {
+        let viewpoint = Viewpoint { place, height: 600_000.0, pitch: -1.5, tolerance, path: Path::Approach };
+        for [before, after] in changes_of_the_cut(&planet, &viewpoint) {
             let [a, b] = [before, after].map(|view| Frame::new(&planet, view, &|_| true));
             let moved = motion(&a, &b, STEP).pixels;
             worst = worst.max(moved / tolerance);

@@ -1,4 +1,4 @@
-//! Shared places are the same bits: on sides of patches, over cube edges and corners, and between parents and children.
+//! A site that patches share has the same position bits in each: on sides, over cube edges and corners, in parents and children.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its patch has failed")]
 

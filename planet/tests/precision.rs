@@ -1,4 +1,4 @@
-//! Precision at the bottom: on an Earth with samples 0.6 m apart, a camera 2 m above the ground moves by steps of a millimetre. Where the
+//! Precision near the ground: on an Earth with samples 0.6 m apart, a camera 2 m above the ground moves by steps of a millimetre. Where the
 //! single-precision stages put every vertex on the screen is compared with the same in f64: how far off, and whether it jitters.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
@@ -36,7 +36,7 @@ const OFF: f64 = 0.001;
 /// pixels.
 const JITTER: f64 = 0.002;
 
-/// The four finest patches about a place that have one parent, and where to stand on them.
+/// The four finest patches of one parent, and the site of the viewer on them.
 struct Site {
     planet: Planet,
     patches: Vec<LoadedPatch>,
@@ -70,7 +70,7 @@ impl Site {
     }
 }
 
-/// Pixels from the picture's corner that clip coordinates stand for.
+/// Pixel coordinates, from the picture's corner, of a position in clip space.
 fn pixels(x: f64, y: f64, w: f64) -> [f64; 2] {
     [(x / w * 0.5 + 0.5) * f64::from(SIZE[0]), (y / w * 0.5 + 0.5) * f64::from(SIZE[1])]
 }
@@ -82,7 +82,7 @@ fn drawn(view: &View, place: Vec3) -> [f64; 2] {
     pixels(screen.x, screen.y, 1.0)
 }
 
-/// Where a place, in lattice units from the eye, is seen, in f64; `None` outside of the picture.
+/// Pixel coordinates of a place in lattice units from the eye, in f64; `None` outside of the picture.
 fn seen(view: &View, place: DVec3) -> Option<[f64; 2]> {
     let camera = &view.camera;
     let place = place * f64::from(view.gpu.unit);
@@ -91,7 +91,7 @@ fn seen(view: &View, place: DVec3) -> Option<[f64; 2]> {
     (w > NEAREST && x.abs() < w && y.abs() < w).then(|| pixels(x, y, w))
 }
 
-/// The place of an awake vertex in lattice units from the eye, slides included, in f64.
+/// The drawn position of an awake vertex in lattice units from the eye, geomorphs included, in f64.
 fn exact(view: &View, vertices: &[PatchVertex], v: usize) -> DVec3 {
     let relative = |v: usize| IVec3::from_array(vertices[v].position).as_dvec3() - view.eye;
     let own = relative(v);
@@ -158,26 +158,26 @@ fn nothing_jitters_or_swims_a_metre_from_the_eye() {
 #[test]
 fn single_precision_without_the_lattice_is_noticed() {
     let site = &sites()[0];
-    // Planet-fixed single precision has steps of half a metre here.
+    // Single precision relative to the planet's centre has steps of half a metre here.
     let naive =
         |view: &View, vertex: &PatchVertex, _: [f32; 3]| IVec3::from_array(vertex.position).as_vec3() - view.eye.as_vec3();
     let found = measure(site, 20.0, &naive);
     assert!(found.off > 10.0, "{found:?}");
-    // An eye on the lattice stands still and jumps.
+    // An eye that is rounded to the lattice stays in place for some frames, then jumps.
     let jumps = |view: &View, _: &PatchVertex, place: [f32; 3]| Vec3::from_array(place) + Vec3::from_array(view.gpu.offset);
     let found = measure(site, 20.0, &jumps);
     assert!(found.off > 100.0 * OFF && found.jitter > 100.0 * JITTER, "{found:?}");
 }
 
-/// Sides of the child at a place among four siblings that lie on the border of all four, bits as in [`Side::bit`].
+/// Sides of one of four siblings that lie on the border of all four together; bits as in [`Side::bit`].
 fn outer_sides(child: usize) -> u32 {
     let right = if child % 2 == 1 { Side::Right } else { Side::Left };
     let upper = if child / 2 == 1 { Side::Top } else { Side::Bottom };
     u32::from(right.bit() | upper.bit())
 }
 
-/// What is wrong with the surface of the four patches, and the number of edges on its rim, which are open by right. `change` may move
-/// vertices of a patch first.
+/// Faults of the surface of the four patches, and the number of edges on its rim, which are open because the surface ends there.
+/// `change` may move vertices of a patch first.
 fn surface(site: &Site, view: &View, change: &dyn Fn(usize, &mut [PatchVertex])) -> (SurfaceReport, usize) {
     let (mut check, mut rim) = (SurfaceCheck::default(), 0);
     for (k, patch) in site.patches.iter().enumerate() {
@@ -213,7 +213,7 @@ fn a_corner_eight_millimetres_off_is_a_crack() {
     let site = &sites()[0];
     let view = site.view(20.0, 0).without_culling();
     let shift = |k: usize, vertices: &mut [PatchVertex]| {
-        // The corner that all four share.
+        // The vertex at the corner that all four patches share.
         let shared = vertices.iter_mut().find(|v| v.grid() == (site.planet.cells + 1).pow(2) - 1);
         if let Some(vertex) = shared.filter(|_| k == 0) {
             vertex.position[0] += 1;

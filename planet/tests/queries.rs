@@ -1,4 +1,4 @@
-//! Heights and rays against the known ground: what they say lies on the triangles of the finest patches known there.
+//! Heights of the known ground and hits of rays with it: they lie on the triangles of the finest patches that are known there.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
@@ -25,7 +25,7 @@ const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: 
 /// By how much rounded corners of the lattice may move the ground on the border of a patch, in lattice units.
 const BORDER: f64 = 8.0;
 
-/// The patches that a planet is known by: all of level 1, one quarter of each to level 3, and one corner to level 8 without balance.
+/// The leaves of the known ground: all of level 1, one quarter of each to level 3, and one corner to level 8, beside far coarser ones.
 fn leaves() -> Vec<PatchId> {
     let mut leaves = Vec::new();
     let mut open: Vec<PatchId> = PatchId::roots().collect();
@@ -69,7 +69,7 @@ fn place(random: &mut Random, field: &TestField, id: PatchId) -> (DVec3, bool) {
     (a + (b - a) * s + (c - a) * t, border)
 }
 
-/// Largest distance in lattice units of the heights asked for from triangles of the leaves: inside of them, and at their borders.
+/// Largest distance in lattice units of queried heights from triangles of the leaves: inside of leaves, and at their borders.
 fn worst(known: &KnownGround, leaves: &[PatchId]) -> [f64; 2] {
     let mut random = Random::new(3);
     let mut worst = [0.0f64; 2];
@@ -77,7 +77,7 @@ fn worst(known: &KnownGround, leaves: &[PatchId]) -> [f64; 2] {
         for _ in 0..60 {
             let (place, border) = place(&mut random, &FIELD, id);
             let found = known.height_at(place * 17.0).unwrap();
-            // Beside a patch of another level, the rounding of corners may make it that patch's answer.
+            // Beside a patch of another level, rounded corners may put the place into that patch.
             if border && found.level != id.level {
                 continue;
             }
@@ -99,7 +99,7 @@ fn heights_lie_on_the_triangles_of_the_finest_patches() {
 fn heights_of_coarser_patches_are_noticed() {
     let leaves = leaves();
     let mut known = known(&FIELD, &leaves);
-    // One of four siblings gone: the parent answers for all four, and nothing else changes.
+    // Without one of four siblings, the parent gives the heights of all four; all others stay the same.
     let lost = *leaves.iter().find(|id| id.level == 3).unwrap();
     known.remove(lost);
     let (gone, kept): (Vec<PatchId>, Vec<PatchId>) = leaves.iter().partition(|id| id.parent() == lost.parent());
@@ -138,7 +138,7 @@ fn around(place: DVec3) -> impl Iterator<Item = DVec3> {
     (0..8).map(move |k| place.normalize() + offset(k))
 }
 
-/// Whether a place is in the ground, and not only in that of one of two patches that it lies between.
+/// Whether a place is below the ground of all patches around it.
 fn is_inside(known: &KnownGround, place: DVec3) -> bool {
     let below =
         |direction| known.height_at(direction).unwrap().height + FIELD.radius - place.length() > BORDER * known.lattice.unit;
@@ -159,10 +159,10 @@ fn rays(known: &KnownGround, leaves: &[PatchId], count: usize) -> Vec<(DVec3, DV
         (origin, target - origin)
     };
     let mut rays: Vec<_> = (0..count).map(|_| ray()).collect();
-    // From exactly above sides and corners of patches, and along sides.
+    // Rays that begin exactly above sides and corners of patches, and rays along sides.
     for &leaf in leaves {
         let points = [(0, 0), (0, 1), (2, 0), (2, 2), (1, 2), (1, 1)].map(|(a, b)| direction(leaf.point(a, b, 2)));
-        // Where levels differ, above the higher ground and below the lower.
+        // Where levels differ, they begin above the higher ground and end below the lower.
         let heights = |place| around(place).map(|place| FIELD.radius + known.height_at(place).unwrap().height);
         let above = points.map(|place| place * (heights(place).fold(0.0, f64::max) + 40.0));
         let below = points.map(|place| place * (heights(place).fold(f64::MAX, f64::min) - 10.0));
@@ -197,7 +197,7 @@ fn rays_end_where_they_first_come_below_the_ground() {
 
 #[test]
 fn steps_between_levels_stop_rays() {
-    // Fine ground in one corner of a level that is far too coarse: rays along the ground meet the steps about it.
+    // Fine patches lie beside far coarser ones: rays along the fine ground meet the steps at its border.
     let leaves = leaves();
     let known = known(&FIELD, &leaves);
     let fine: Vec<PatchId> = leaves.iter().copied().filter(|id| id.level == 8).collect();
@@ -261,7 +261,7 @@ fn what_is_no_ray_meets_nothing() {
     }
     assert_eq!(known.raycast(DVec3::NAN, -DVec3::X), None);
     assert_eq!(known.raycast(DVec3::INFINITY, -DVec3::X), None);
-    // Through the unknown far side to the known near one: solid from there on.
+    // A ray through the unknown far side ends where it comes below the known near side.
     let through = known.raycast(DVec3::X * -1e6, DVec3::X).unwrap();
     assert!(through.patch == PatchId::roots().next().unwrap() && through.position.length() < FIELD.radius * 1.1, "{through:?}");
 }

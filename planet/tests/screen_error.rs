@@ -48,7 +48,7 @@ fn natural(planet: &Planet, view: &View) -> ScreenError {
     error_of(planet, view, &cut(&planet.tree, view, &|_| true), &|_| true, &|_, _, _| ())
 }
 
-/// Places where the builder certifies.
+/// The kinds of probes at which the builder's bound holds by construction.
 const AT_SAMPLES: [Probe; 2] = [Probe::Sleeper, Probe::FinerSample];
 
 /// Largest share of its tolerance that any view shows at the places of some kinds.
@@ -64,7 +64,7 @@ fn worst_share(errors: impl Iterator<Item = (View, ScreenError)>, probes: &[Prob
     worst
 }
 
-/// Natural cuts of a rough and of a smooth planet.
+/// [`worst_share`] for the renderer's own cuts of a rough and of a smooth planet.
 fn natural_share(probes: &[Probe]) -> f64 {
     let share = |(ridged, roughness, seed)| {
         let field = TestField { radius: 30_000.0, roughness, ridged, seed };
@@ -122,7 +122,7 @@ fn wakes_that_are_half_as_long_are_noticed() {
     let planet = planet(&FIELD, 16);
     let halved = |_: &Planet, _: PatchId, vertices: &mut Vec<PatchVertex>| {
         for vertex in vertices {
-            // A code's exponent stands above its ten bits of mantissa.
+            // A code holds its exponent above ten bits of mantissa: the exponent less one is half the distance.
             let half = |word: u32| if word >> 16 == 0xffff { word } else { word.saturating_sub(1 << 26).max(word & 0xffff) };
             vertex.grid_own = half(vertex.grid_own);
             vertex.parent_coarser = half(vertex.parent_coarser);
@@ -149,7 +149,7 @@ fn a_surface_out_of_place_is_as_many_pixels_off() {
     };
     let found = error_of(&planet, &view, &cut(&planet.tree, &view, &|_| true), &|_| true, &lift).readings;
     let (low, high) = (20.0 * nearest / horizon - view.tolerance, 20.0 * nearest / (nearest - lifted) + view.tolerance);
-    // Sleeping vertices were lifted with the drawn ones, and do not tell.
+    // The probes at asleep vertices do not measure the lift: those vertices were lifted too.
     let pixels = found.max_of(Probe::Pixel);
     assert!(low > 8.0 && (low..high).contains(&pixels), "{pixels} px, expected {low} to {high}");
 }

@@ -1,4 +1,4 @@
-//! The planet file: what goes in comes out, and whatever else is at the path is refused by name.
+//! The planet file: patches are read as they were written, and any other file at the path is refused by the name of its kind.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -97,7 +97,7 @@ fn a_full_cache_keeps_baked_patches_and_what_was_used_last() {
     let there = |k: usize| file.contains(ids[k]).unwrap();
     assert_eq!((0..8).filter(|&k| !there(k)).collect::<Vec<_>>(), [3], "only what was unused for longest goes");
     assert_eq!(file.cached_bytes().unwrap(), budget);
-    // The index still agrees with its tally, and the patches are those that a bake makes.
+    // The index still agrees with the stored count of patches, and the patches are those that a bake makes.
     assert_eq!(PlanetFile::open(&path).unwrap().index().unwrap().len(), 6 + 7);
     assert!(file.mesh(ids[0]).unwrap() == planet.build(ids[0]).0);
     file.cache(&[], &[], 4, 0).unwrap();
@@ -161,7 +161,7 @@ fn every_flipped_byte_of_a_record_is_noticed() {
     }
 }
 
-/// With the checksum made right again, only the decoder's own checks stand between damage and a reader.
+/// The checksum is computed again after the damage, so that only the decoder's own checks can find it.
 #[test]
 fn damage_behind_a_right_checksum_never_panics() {
     let planet = tiny(CELLS);
@@ -243,7 +243,7 @@ fn a_damaged_file_never_reads_as_another_planet() {
             }
         }
     }
-    // Harmless are SQLite's change counters and the free space within pages.
+    // Damage to SQLite's change counters and to free space within pages is harmless.
     assert!(refused > 200, "{refused} refused, {harmless} harmless");
 }
 

@@ -1,4 +1,4 @@
-//! Terrain: the same bits however it is asked for, inside its stated range, detailed down to a metre, finite everywhere.
+//! Terrain: the same bits whatever points are evaluated together, inside its stated range, detailed down to a metre, finite everywhere.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
 
@@ -57,7 +57,8 @@ fn heights_have_the_same_bits_in_any_slice() {
 
 #[test]
 fn close_points_that_share_craters_have_the_bits_of_single_points() {
-    // Neighbours share crater sites; single points do not: rows of 128 at several spacings must agree with points.
+    // Neighbouring points of a chunk share one lookup of crater sites, single points do not: rows of 128 at several spacings must agree
+    // with single points.
     for name in ["luna", "mars", "tiny"] {
         let (recipe, terrain) = (recipe(name), terrain(name));
         for (place, spacing) in spread(12).into_iter().flat_map(|d| [0.3, 4.0, 70.0, 900.0].map(|s| (d, s))) {
@@ -140,7 +141,7 @@ fn terra_is_mostly_ocean() {
     assert!((0.60..0.72).contains(&wet), "{wet}");
     let deep = ground.iter().filter(|&&h| h < -3000.0).count() as f64 / ground.len() as f64;
     assert!(deep > 0.3, "abyssal plains cover {deep}");
-    // Places 90 km apart seldom are summits: those about the highest of them are looked at more closely.
+    // Places 90 km apart seldom are summits: more places are evaluated around the highest of them.
     let (mut places, near) = (spread(60_000), spread(400));
     places.sort_by_cached_key(|&place| -terrain.height(place) as i64);
     let closely: Vec<DVec3> =
@@ -158,7 +159,7 @@ fn terrain_has_relief_at_one_metre() {
             let step = d.any_orthonormal_vector() / recipe.radius;
             let rise = (terrain.height((d + step).normalize()) - terrain.height(d)).abs();
             assert!(rise < 8.0, "{name}: a cliff of {rise} m over one metre");
-            // Bend over a metre: what a plane through larger features would not have.
+            // The second difference over a metre, which is near zero where only larger features are.
             let back = terrain.height((d - step).normalize());
             let ahead = terrain.height((d + step).normalize());
             rough += usize::from((ahead + back - 2.0 * terrain.height(d)).abs() > 1e-3);
@@ -207,7 +208,7 @@ fn canyons_have_rims_walls_and_floors_below_the_ground() {
 
 #[test]
 fn dunes_are_steeper_on_one_side() {
-    // From crest to crest: the way up is longer than the way down, whichever way the wind blows.
+    // Rows across dunes: one side of a dune is steeper than the other, whichever way the wind blows.
     let terrain = dry(DUNES);
     let (mut longest, mut crests) = (0.0_f64, 0);
     for d in spread(300) {
@@ -282,7 +283,7 @@ fn a_rift_has_a_floor_and_lies_at_its_place() {
     assert!(ground.iter().filter(|&&h| h < -600.0).count() > 100);
     let far = spread(40_000).into_iter().filter(|d| d.dot(turned(-10.0, 70.0)) < 0.5);
     assert!(heights(&terrain, &far.collect::<Vec<_>>()).iter().all(|&h| h == 0.0));
-    // Two of them are as deep as one.
+    // Two rifts at one place are as deep as one.
     let twice = dry(&format!("{RIFT}\n[[layer]]\n{RIFT}"));
     assert!(heights(&twice, &spread(40_000)).iter().all(|h| (-900.001..=0.0).contains(h)));
 }
@@ -301,7 +302,7 @@ fn ice_buries_old_craters() {
 
 #[test]
 fn landmarks_are_the_same_in_any_slice() {
-    // What a chunk skips must be nothing: single points against chunks, all over the planet and about each landmark.
+    // A chunk may skip only layers that add nothing to its points: single points must agree with chunks all over the planet.
     for layer in [SHIELD, RIFT, CAPS] {
         let terrain = dry(layer);
         let directions = spread(30_000);
@@ -315,7 +316,7 @@ fn landmarks_are_the_same_in_any_slice() {
 
 #[test]
 fn colours_about_the_poles_are_the_same_in_any_slice() {
-    // What is near some points of a slice must not colour the others: frost about the polar caps once did.
+    // Features near some points of a slice must not colour its other points: frost at the polar caps once did.
     for name in ["mars", "luna", "terra"] {
         let terrain = terrain(name);
         let about_poles = spread(40_000).into_iter().filter(|d| d.z.abs() > 0.95);

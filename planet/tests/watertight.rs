@@ -1,4 +1,5 @@
-//! Whole planets on the CPU: watertight by bits, nothing flipped, closure kept, over random views and mixed levels.
+//! Whole planets on the CPU, in random views with mixed levels: watertight by position bits, no flipped triangle, and no awake vertex
+//! without those that it needs.
 
 mod common;
 #[path = "common/whole_planet.rs"]

@@ -1,4 +1,5 @@
-//! What a view leaves out before it looks: nothing that would be drawn, and enough that the work follows what is drawn.
+//! The vertices and triangles that a view leaves out before selection: none that would be drawn, and so many that the work is in
+//! proportion to what is drawn.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -18,7 +19,7 @@ use whole_planet::{planet, views, Planet};
 
 const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
 
-/// Awake vertices and triangles that a view draws of a patch, from what some work looks at. Triangles have no order.
+/// Number of awake vertices and sorted triangles that a view draws of a patch, when only the vertices and triangles of `work` are read.
 fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch, work: &Work) -> (usize, Vec<[u32; 3]>) {
     let vertices = &patch.vertices[..work.vertices as usize];
     let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
@@ -33,7 +34,7 @@ fn everything(patch: &LoadedPatch) -> Work {
     Work { vertices, triangles: std::iter::once(0..2 * cells * cells).collect() }
 }
 
-/// Patches of all views whose drawn triangles are others when only what `looked_at` says is looked at.
+/// How many patches of all views are drawn differently when only the vertices and triangles of `looked_at` are read.
 fn differing(planet: &Planet, views: &[View], looked_at: &dyn Fn(&View, &LoadedPatch) -> Work) -> usize {
     let mut differing = 0;
     for view in views {

@@ -242,7 +242,7 @@ mod tests {
                 assert_eq!(level[k * side + last], level[(last - k) * side + last], "right of level {power}");
             }
         }
-        // What is the same place has the same direction, and a texel beside it another.
+        // Two texels of one place have the same direction, and a texel beside them has another.
         let [a, b, c] = [unfolded(0.25, -1.0), unfolded(-0.25, -1.0), unfolded(0.25, -0.9)];
         assert!(a.distance(b) < 1e-12 && a.distance(c) > 0.05);
         for [x, y] in [[0.3, 0.2], [-0.9, 0.8], [0.7, -0.6], [-0.1, -0.95]] {

@@ -94,7 +94,7 @@ mod tests {
     use crate::mesh::wake::MORPH_REACH;
     use glam::DVec3;
 
-    /// A vertex of some wake `share` of scale times its wake ahead of a camera, and the view.
+    /// A view, and a vertex ahead of its camera at `share` of the distance at which the vertex wakes.
     fn ahead(share: f64) -> (View, PatchVertex) {
         let camera = Camera::looking(DVec3::new(6.4e6, 0.0, 0.0), 0.0, -90.0, 1.0, [1280, 720]);
         let view = View::new(camera, &Lattice::new(6.371e6, 9e3), 128, 0.7);

@@ -248,7 +248,7 @@ fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError
 mod tests {
     use super::*;
 
-    /// A mesh that satisfies every rule: all asleep but the first, which is everyone's parent.
+    /// A mesh that satisfies every rule: all vertices are asleep but the first, which is the parent of all.
     fn flat(cells: u32) -> PatchMesh {
         let vertex = |grid: u32| {
             let wake = if grid == 0 { Wake::ALWAYS } else { Wake::ASLEEP };
@@ -265,7 +265,7 @@ mod tests {
         }
     }
 
-    /// Decodes a sound envelope around streams of which one was changed.
+    /// Decodes a record with a valid header and checksum around streams of which one was changed.
     fn decode_changed(change: impl Fn(&mut [Vec<u32>; STREAMS.len()])) -> Result<PatchMesh, RecordError> {
         let mesh = flat(8);
         let mut numbers = streams(&mesh);

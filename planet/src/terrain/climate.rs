@@ -201,7 +201,7 @@ mod tests {
 
     #[test]
     fn the_lee_of_mountains_is_drier() {
-        // A wall from pole to pole across the trade winds, and sea elsewhere: its lee is drier than the side that the wind hits.
+        // A mountain wall from pole to pole across the trade winds, and low ground elsewhere: the lee is drier than the windward side.
         let directions: Vec<DVec3> = (0..6 * (SIDE + 1) * (SIDE + 1)).map(direction).collect();
         let wall =
             |d: &DVec3| Weather { mean_m: if d.x > 0.0 && d.y.abs() < 0.1 { 3000.0 } else { 100.0 }, ..Weather::default() };

@@ -369,7 +369,7 @@ mod tests {
             let turns = i as f32 * 0.01;
             assert!((sine_of_turns(turns) - (turns * std::f32::consts::TAU).sin()).abs() < 2e-3, "{turns}");
         }
-        // One crest a cell along x: over a cell there is a whole one, and none across.
+        // Waves with one crest a cell along x: over many places crests and troughs cancel, and the waves have amplitude.
         let (lattice, p) = (Lattice::new(7, 1, 300.0), points(5e3));
         let mut still = [0.0; LANES];
         lattice.waves(&p, &[[0.0; LANES]; 3], |i, cosine, sine| still[i] = (cosine - 1.0).abs() + sine.abs());

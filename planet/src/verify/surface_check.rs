@@ -180,14 +180,14 @@ mod tests {
         assert_eq!(check.finish().cracks, 0);
     }
 
-    /// Where vertices are drawn of which the last is on its way to the first.
+    /// Drawn positions of vertices of which the last morphs to the first by `weight`.
     fn places(vertices: &[PatchVertex], weight: f32) -> Vec<DrawnVertex> {
         let weights = [0.0, 0.0, 0.0, weight];
         let drawn = |v: usize| drawn_place(&FrameView::default(), vertices, v as u32, weights[v]).to_array();
         (0..4).map(|v| DrawnVertex { place: drawn(v), weight: weights[v] }).collect()
     }
 
-    /// Vertex 3 of the tetrahedron on its way to vertex 0, in two patches that may not agree about how far it is.
+    /// The tetrahedron in two patches, whose vertex 3 morphs to vertex 0 by a weight for each patch.
     fn sliding(weights: [f32; 2]) -> SurfaceReport {
         let (vertices, triangles) = tetrahedron();
         let mut check = SurfaceCheck::default();
@@ -210,7 +210,7 @@ mod tests {
     #[test]
     fn triangles_that_a_geomorph_turns_over_are_flipped() {
         let (mut vertices, triangles) = tetrahedron();
-        // Past the plane of the other side.
+        // Beyond the plane of the opposite triangle.
         vertices[0].position = [-3000; 3];
         let mut check = SurfaceCheck::default();
         check.add(&vertices, &places(&vertices, 0.5), &triangles);

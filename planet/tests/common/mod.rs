@@ -4,7 +4,7 @@ use glam::{DVec3, IVec3};
 use terrane_planet::globe::lattice::Lattice;
 use terrane_planet::ground::{Elevation, Ground};
 
-/// Fractal test terrain. Amplitudes follow the wavelength, so that every level has something to say.
+/// Fractal test terrain. Amplitudes are in proportion to wavelengths, so that every level adds relief.
 pub(crate) struct TestField {
     pub(crate) radius: f64,
     pub(crate) roughness: f64,

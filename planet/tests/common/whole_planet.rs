@@ -64,7 +64,7 @@ pub(crate) fn views(planet: &Planet, field: &TestField, count: usize) -> Vec<Vie
     views_over(planet, &|d| field.at(d), count)
 }
 
-/// The same over ground of any height.
+/// [`views`] over ground whose height is `height`.
 pub(crate) fn views_over(planet: &Planet, height: &dyn Fn(DVec3) -> f64, count: usize) -> Vec<View> {
     let cameras = RandomViews::new(&planet.tree, 7, height).take(count);
     let tolerance = |k: usize| [1.0, 0.5, 2.0, 4.0][k % 4];
@@ -74,7 +74,7 @@ pub(crate) fn views_over(planet: &Planet, height: &dyn Fn(DVec3) -> f64, count: 
         .collect()
 }
 
-/// Report and closure violations (away from the rim of the data) of a cut drawn without culling.
+/// Draws a cut without culling: the report on its surface, and closure violations away from the rim of the data.
 pub(crate) fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (SurfaceReport, usize) {
     let mut check = SurfaceCheck::default();
     let mut violations = 0;

@@ -106,7 +106,7 @@ mod tests {
             assert!(plane.fan_error(target, q..=q) < 1e-14);
             assert_eq!(twisted.fan_error(target, q..=q) > 1e-3, target != q, "{target} {q}");
         }
-        // From (0, 0) to (4, 1), at (2, ½): the ground is 0.01 deeper than the datum and the edge 0.02.
+        // The edge from (0, 0) to (4, 1), at (2, ½): the ground is 0.01 deeper than the datum, and the edge 0.02.
         let error = twisted.fan_error(0, 4..=4) / twisted.radius;
         assert!(error >= 0.01 - 1e-12, "{error}");
     }

@@ -99,7 +99,7 @@ mod tests {
 
     #[test]
     fn an_edit_at_a_corner_touches_the_patches_around_it() {
-        // A corner of the cube belongs to three patches; its lines, to their parents' other children beside them.
+        // A corner of the cube belongs to three patches; the lines that meet there belong to other children of their parents too.
         let corner = touched(direction(IVec3::new(ONE, ONE, ONE)), 1.0);
         for level in 1..6 {
             let found: Vec<PatchId> = all(level).filter(|&id| corner.touches(id)).collect();

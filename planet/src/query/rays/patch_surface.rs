@@ -123,7 +123,7 @@ mod tests {
 
     #[test]
     fn triangles_beside_a_ray_are_not_met() {
-        // Two walls of a valley, a cell of 77 lattice units wide: a ray two units beside its floor meets the near wall only.
+        // Two walls of a valley in cells of 77 lattice units: a ray two units beside the floor's edge meets only the wall on its own side.
         let far = 1 << 30;
         let corners = [[far + 60, -77, 0], [far, 0, 0], [far, 0, 77], [far + 60, 77, 0]];
         let surface = PatchSurface::of_drawn(&corners.map(vertex), &[DrawnVertex::default(); 4], &[[0, 1, 2], [1, 3, 2]]);

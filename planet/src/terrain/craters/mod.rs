@@ -238,7 +238,7 @@ mod tests {
         [x, y, array::from_fn(|i| (1e6 - x[i] * x[i] - y[i] * y[i]).sqrt())]
     }
 
-    /// The same point in every lane but the last, which is far away: so that no sites are shared.
+    /// One point in every lane but the last, which is far away, so that lanes share no lookup of sites.
     fn alone(places: &[WideLane; 3], i: usize) -> Points {
         let mut far = [0, 1, 2].map(|k| [places[k][i]; LANES]);
         for (k, axis) in far.iter_mut().enumerate() {
@@ -272,7 +272,7 @@ mod tests {
 
     #[test]
     fn craters_cover_every_octant_alike() {
-        // Every side, edge and corner of the cube about the sphere has its share.
+        // Every face, edge and corner of the cube around the sphere has craters.
         let class = class(3, 20.0);
         let mut counts = [0; 8];
         let place = |n: u64| array::from_fn(|k| unit(mix(n * 3 + k as u64)) * 2.0 - 1.0);
