@@ -191,7 +191,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn missing_ground_goes_unnoticed() {
+    fn missing_ground_is_counted() {
         let camera = Camera::looking(DVec3::X * 3e6, 0.0, -90.0, 0.9, [64, 32]);
         let mut depth = vec![0.5; 64 * 32];
         assert_eq!(holes(&camera, &depth, 1e6), 0);

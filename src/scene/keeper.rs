@@ -154,7 +154,7 @@ mod tests {
     use terrane_planet::recipe::Recipe;
 
     #[test]
-    fn a_file_that_cannot_be_written_loses_what_is_built() {
+    fn patches_of_a_file_that_cannot_be_written_are_kept_beside_it() {
         let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join("planet/recipes/tiny.toml");
         let planet = Planet::from_recipe(Recipe::load(&recipe).expect("a shipped recipe"), 16).expect("a shipped recipe");
         let folder = tempfile::tempdir().expect("a folder");

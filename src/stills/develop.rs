@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_half_covered_looks_right_before_black_and_what_is_empty_is_nothing() {
+    fn half_covered_pixels_look_right_before_black_and_empty_ones_are_clear() {
         let before_black = |pixel: &[u16]| f32::from(pixel[0]) * f32::from(pixel[3]) / 65535.0;
         let glow = sixteen(&developer(1, true), &[0.2, 0.2, 0.2, 0.4]);
         assert!(

@@ -66,7 +66,7 @@ fn around(level: &CloudLevel, side: usize, direction: DVec3) -> [f32; 2] {
 }
 
 #[test]
-fn clouds_lie_elsewhere_than_the_map_says() {
+fn clouds_lie_where_the_map_says() {
     let Some(context) = device() else { return };
     let mut sky = Sky::new(&context);
     let recipe = &sky.scene.shared_planet().recipe;
@@ -105,7 +105,7 @@ fn clouds_lie_elsewhere_than_the_map_says() {
 }
 
 #[test]
-fn tiles_have_other_clouds_than_the_whole() {
+fn tiles_have_the_clouds_of_the_whole_picture() {
     let Some(context) = device() else { return };
     let mut sky = Sky::new(&context);
     let view = sky.view(DVec3::new(0.3, 0.5, 0.6).normalize() * (CLOUDS + 900.0), -12.0, 1.1);
@@ -124,7 +124,7 @@ fn tiles_have_other_clouds_than_the_whole() {
 }
 
 #[test]
-fn clouds_hide_numbers() {
+fn clouds_are_absent_from_diagrams() {
     let Some(context) = device() else { return };
     let mut sky = Sky::new(&context);
     let [cloudy, bare] = [true, false].map(|clouds| sky.seen_from_afar(DVec3::X, Mode::Albedo, clouds).1);

@@ -46,7 +46,7 @@ fn difference(picture: &[u8], finer: &[u8], times: usize) -> f64 {
 }
 
 #[test]
-fn edges_are_jagged_with_several_samples() {
+fn edges_are_smoother_with_several_samples() {
     let (Some(one), Some(four), Some(finer)) = (outline(1, 1), outline(4, 1), outline(1, 4)) else { return };
     let [one, four] = [one, four].map(|picture| difference(&picture, &finer, 4));
     assert!(four < 0.6 * one, "{four} where one sample has {one}");

@@ -98,7 +98,7 @@ fn arrive(context: &Arc<Context>, name: &str) -> Shown {
 }
 
 #[test]
-fn the_way_to_a_view_shows_in_it() {
+fn a_view_is_the_same_whatever_came_before_it() {
     let Some(context) = device() else { return };
     let expected = arrive(&context, "at once");
     assert!(expected.triangles.len() > 200, "{} triangles prove little", expected.triangles.len());
@@ -111,7 +111,7 @@ fn the_way_to_a_view_shows_in_it() {
 }
 
 #[test]
-fn a_step_aside_or_a_missing_patch_is_the_same_to_the_comparison() {
+fn the_comparison_finds_a_moved_viewer_and_missing_patches() {
     let Some(context) = device() else { return };
     let mut scene = Scene::open(&context, planet_file(), SceneOptions::default()).unwrap();
     let mut headless = Headless::new(&context, (SIZE[0], SIZE[1])).unwrap();

@@ -69,7 +69,7 @@ fn drawn(context: &Arc<Context>, scene: &mut Scene, view: &View) -> BTreeSet<(Pa
 }
 
 #[test]
-fn what_is_built_on_the_way_differs_from_what_was_baked() {
+fn patches_built_on_demand_equal_baked_ones() {
     let Some(context) = device() else { return };
     let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
     let (baked, empty) = (file(folder.path(), &planet, Some(FINEST)), file(folder.path(), &planet, None));
@@ -93,7 +93,7 @@ fn what_is_built_on_the_way_differs_from_what_was_baked() {
 }
 
 #[test]
-fn a_full_cache_breaks_the_picture() {
+fn a_full_cache_keeps_the_picture() {
     let Some(context) = device() else { return };
     let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
     let path = file(folder.path(), &planet, Some(0));
@@ -111,7 +111,7 @@ fn a_full_cache_breaks_the_picture() {
 }
 
 #[test]
-fn a_small_gpu_budget_fails_or_is_exceeded() {
+fn a_small_gpu_budget_is_kept_by_a_coarser_picture() {
     let Some(context) = device() else { return };
     let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
     let path = file(folder.path(), &planet, Some(0));
@@ -128,7 +128,7 @@ fn a_small_gpu_budget_fails_or_is_exceeded() {
 }
 
 #[test]
-fn a_small_host_budget_fails_or_is_exceeded() {
+fn a_small_host_budget_is_kept_by_a_coarser_picture() {
     let Some(context) = device() else { return };
     let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
     let path = file(folder.path(), &planet, Some(0));

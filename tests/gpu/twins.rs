@@ -113,7 +113,7 @@ fn a_mesh_that_differs_in_sight_is_noticed_after_culling() {
 }
 
 #[test]
-fn a_border_vertex_that_is_elsewhere_on_one_side_is_a_crack() {
+fn a_border_vertex_moved_on_one_side_is_a_crack() {
     let Some(context) = device() else { return };
     let mut bench = Bench::new(&context);
     let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
