@@ -1,5 +1,5 @@
-//! The air of pictures against brute force in f64, from 2 m to 100,000 km, by the difference that a viewer could see: in 8-bit steps
-//! after the tonemap.
+//! The atmosphere in pictures from 2 m to 100,000 km, against numerical integration in f64. Differences are in 8-bit steps after the
+//! tonemap, as a viewer would see them.
 
 use crate::harness::{device, large_planet_file, pixel_ray, planet_file};
 use glam::DVec3;
@@ -20,10 +20,10 @@ const LARGEST: f64 = 2.0;
 /// Pixels compared in each picture.
 const SAMPLES: usize = 48;
 
-/// A view: metres above sea level, pitch, vertical field of view in degrees, and the sun's azimuth and elevation. All look north-east.
-type Stand = (f64, f64, f64, [f64; 2]);
+/// Metres above the ground, pitch and vertical field of view in degrees, and the sun's azimuth and elevation. All views look north-east.
+type Viewpoint = (f64, f64, f64, [f64; 2]);
 
-const STANDS: [Stand; 26] = [
+const VIEWPOINTS: [Viewpoint; 26] = [
     (2.0, 3.0, 50.0, [45.0, 10.0]),
     (2.0, 0.0, 8.0, [45.0, 0.5]),
     (2.0, 20.0, 90.0, [90.0, 60.0]),
@@ -52,7 +52,7 @@ const STANDS: [Stand; 26] = [
     (1e8, -90.0, 8.0, [45.0, -75.0]),
 ];
 
-/// A picture and what its pixels show.
+/// The images of one frame, and what brute force needs to know of it.
 struct Picture {
     camera: Camera,
     shading: Shading,
@@ -74,8 +74,8 @@ impl Studio {
         Studio { scene, headless: Headless::new(context, (SIZE[0], SIZE[1])).unwrap() }
     }
 
-    /// `scale` is that of heights against the Earth's.
-    fn show(&mut self, (altitude, pitch, fov, [azimuth, elevation]): Stand, scale: f64) -> Picture {
+    /// Draws the view of a viewpoint. Altitudes are multiplied by `scale`, for planets smaller than the Earth.
+    fn show(&mut self, (altitude, pitch, fov, [azimuth, elevation]): Viewpoint, scale: f64) -> Picture {
         let planet = self.scene.planet();
         let place = direction_at(36.62, 106.05);
         let ground = planet.terrain.height(place).max(0.0);
@@ -119,7 +119,7 @@ impl Picture {
         }
     }
 
-    /// The largest difference of a sampled pixel from brute force in 8-bit steps, where it is, and both colours.
+    /// The largest difference of a sampled pixel from brute force in 8-bit steps, with the pixel's number and both colours.
     fn largest_difference(&self, air: &Air) -> (f64, usize, [DVec3; 2]) {
         let differences = Picture::samples().filter_map(|pixel| {
             let direction = pixel_ray(&self.camera, pixel);
@@ -148,14 +148,14 @@ fn air_differs_from_brute_force_by_less_than_can_be_seen() {
     for (file, scale) in [(large_planet_file(), 1.0), (planet_file(), 30.0 / 6371.0)] {
         let mut studio = Studio::new(&context, file);
         let mut air = None;
-        for stand in STANDS {
-            let picture = studio.show(stand, scale);
+        for viewpoint in VIEWPOINTS {
+            let picture = studio.show(viewpoint, scale);
             let air = air.get_or_insert_with(|| Air::new(&picture.shading).unwrap());
             let (difference, pixel, colours) = picture.largest_difference(air);
             worst = worst.max(difference);
-            println!("{difference:6.2} {stand:?} x {scale:.4}, pixel {} {}: {colours:.1?}", pixel % 96, pixel / 96);
+            println!("{difference:6.2} {viewpoint:?} x {scale:.4}, pixel {} {}: {colours:.1?}", pixel % 96, pixel / 96);
             if difference > LARGEST {
-                faults.push(format!("{difference:.2} steps at {stand:?}, scale {scale}, pixel {pixel}"));
+                faults.push(format!("{difference:.2} steps at {viewpoint:?}, scale {scale}, pixel {pixel}"));
             }
         }
     }
@@ -167,10 +167,10 @@ fn air_differs_from_brute_force_by_less_than_can_be_seen() {
 fn air_one_part_in_ten_denser_is_noticed() {
     let Some(context) = device() else { return };
     let mut studio = Studio::new(&context, large_planet_file());
-    for stand in [STANDS[4], STANDS[9], STANDS[15], STANDS[21]] {
-        let picture = studio.show(stand, 1.0);
+    for viewpoint in [VIEWPOINTS[4], VIEWPOINTS[9], VIEWPOINTS[15], VIEWPOINTS[21]] {
+        let picture = studio.show(viewpoint, 1.0);
         let dense = Shading { rayleigh: picture.shading.rayleigh.map(|x| 1.1 * x), ..picture.shading };
         let (difference, ..) = picture.largest_difference(&Air::new(&dense).unwrap());
-        assert!(difference > LARGEST, "{difference} steps at {stand:?}");
+        assert!(difference > LARGEST, "{difference} steps at {viewpoint:?}");
     }
 }

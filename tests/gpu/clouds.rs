@@ -1,4 +1,4 @@
-//! Clouds: where the map says, seen from all sides; in tiles as in whole pictures; and not in diagrams.
+//! Clouds lie where the map says, seen from all sides; a picture drawn in tiles has the same clouds; diagrams have none.
 
 use crate::harness::{cloudy_planet_file, device, pixel_ray};
 use glam::DVec3;
@@ -14,12 +14,12 @@ use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::maps::clouds::{cloud_map, octahedral, CloudLevel, CLOUD_EDGE, CLOUD_SIDE};
 
 const SIZE: [u32; 2] = [96, 96];
-/// Of the planet and of its clouds.
+/// Radii of the planet and of its clouds in metres.
 const RADIUS: f64 = 30_000.0;
 const CLOUDS: f64 = 31_500.0;
-/// Radii from the planet's centre to the eye.
+/// Distance of the eye from the planet's centre, in radii of the planet.
 const FAR: f64 = 6.0;
-/// What the detail adds to the map at most, and by how much it is exceeded where clouds are thick.
+/// The most that the detail adds to a value of the map, and by how much a value exceeds the edge of clouds where they are thick.
 const DETAIL: f32 = 0.16;
 const THICK: f32 = 0.4;
 
@@ -38,7 +38,7 @@ impl Sky {
         View::new(Camera::looking(position, 0.0, pitch, fov, SIZE), self.scene.lattice(), self.scene.planet().cells, 1.0)
     }
 
-    /// Radiance from above a direction, with the sun behind the eye.
+    /// The camera above a direction with the sun behind it, and the radiance of its picture.
     fn seen_from_afar(&mut self, direction: DVec3, mode: Mode, clouds: bool) -> (Camera, Vec<f32>) {
         let view = self.view(direction * (FAR * RADIUS), -90.0, 0.11);
         let cut = self.scene.settle(&view).unwrap();
@@ -48,7 +48,7 @@ impl Sky {
     }
 }
 
-/// Where a pixel's ray meets the sheet of clouds, as a direction from the planet's centre; none near its edge.
+/// Where a pixel's ray meets the layer of clouds, as a direction from the planet's centre; `None` near the limb.
 fn cloud_place(camera: &Camera, pixel: usize) -> Option<DVec3> {
     let ray = pixel_ray(camera, pixel).normalize();
     let along = -camera.position.dot(ray);

@@ -1,4 +1,5 @@
-//! Edges of the ground with several samples a pixel: between those of one sample and those of a picture sixteen times as large.
+//! Outlines of the ground drawn with several samples a pixel: they are nearer to those of a picture with sixteen times the pixels than
+//! outlines drawn with one sample are.
 
 use crate::harness::{device_with, planet_file};
 use glam::DVec3;
@@ -10,16 +11,16 @@ use terrane_planet::draw::view::{Camera, View};
 
 const SIZE: [u32; 2] = [160, 90];
 
-/// The planet's outline in so many samples a pixel, and `finer` times as large. Four bytes a pixel; `None` without a device.
+/// A picture of the planet's outline with `samples` a pixel, `finer` times as wide and high. Four bytes a pixel; `None` without a device.
 fn outline(samples: u32, finer: u32) -> Option<Vec<u8>> {
     let context = device_with(Some(samples))?;
     assert_eq!(context.samples(), samples.min(context.most_samples()));
     let mut scene = Scene::open(&context, planet_file(), SceneOptions::default()).unwrap();
     let place = DVec3::new(1.0, 0.4, 0.3).normalize();
     let camera = Camera::looking(place * scene.planet().recipe.radius * 2.5, 30.0, -85.0, 0.9, SIZE.map(|side| finer * side));
-    // The same mesh for all: the tolerance is that of the small picture.
+    // All pictures show the same mesh: the tolerance is that of the small picture.
     let view = View::new(camera, scene.lattice(), scene.planet().cells, f64::from(finer));
-    // Without air the outline is as sharp as it can be.
+    // Albedo is drawn without air, so that the outline is sharp.
     let look = Look { mode: Mode::Albedo, sun: sun_over(place, 135.0, 35.0), exposure: DAYLIGHT, metering: None, clouds: true };
     scene.set_sun(look.sun);
     let cut = scene.settle(&view).unwrap();
@@ -28,7 +29,7 @@ fn outline(samples: u32, finer: u32) -> Option<Vec<u8>> {
     Some(headless.pixels().unwrap())
 }
 
-/// Sum of the differences from the mean of each pixel's part of a finer picture.
+/// Sum of the differences between the pixels of a picture and the means of their blocks in a finer one.
 fn difference(picture: &[u8], finer: &[u8], times: usize) -> f64 {
     let width = SIZE[0] as usize;
     let mut sum = 0.0;
@@ -38,7 +39,7 @@ fn difference(picture: &[u8], finer: &[u8], times: usize) -> f64 {
         for channel in 0..3 {
             let mean = part.clone().map(|at| f64::from(finer[at + channel])).sum::<f64>() / (times * times) as f64;
             let apart = (f64::from(pixel[channel]) - mean).abs();
-            // Edges, not grain.
+            // Small differences are grain, not outlines.
             sum += if apart > 12.0 { apart } else { 0.0 };
         }
     }

@@ -13,7 +13,7 @@ use terrane_planet::draw::view::{Camera, View};
 
 const SIZE: [u32; 2] = [320, 180];
 
-/// Pixels and radiance of a view of the tiny planet, by a renderer that never drew before.
+/// Pixels and radiance of a view of the tiny planet, drawn by a new renderer.
 fn show(context: &Arc<Context>, heading: f64, pitch: f64, elevation: f64, metering: Option<f32>) -> (Vec<u8>, Vec<f32>) {
     let mut scene = Scene::open(context, planet_file(), SceneOptions::default()).unwrap();
     let mut headless = Headless::new(context, (SIZE[0], SIZE[1])).unwrap();
@@ -71,6 +71,6 @@ fn stars_are_as_bright_wherever_between_pixels_they_are() {
     };
     assert!(lights[0].0 > 1e-3, "no star in sight: {lights:?}");
     assert!(range(|l| l.0) < 1.05, "{lights:?}");
-    // The brightest pixel alone does change: what is compared is the sum.
+    // The negative control: the brightest pixel alone does change.
     assert!(range(|l| l.1) > 1.07, "{lights:?}");
 }

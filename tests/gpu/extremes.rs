@@ -1,5 +1,5 @@
-//! Pictures from where nobody stands: poles, face edges and corners, inside a mountain, the planet's centre, a million kilometres
-//! away. Every pixel is a number, shows ground where a ray meets the ground and as far away as that, and space is black.
+//! Pictures from extreme positions: over poles, face edges and corners, inside a mountain, at the planet's centre, a million kilometres
+//! away. Every pixel is finite, shows ground where a ray meets the ground, at the distance of the hit, and space is black.
 
 use crate::harness::{device, pixel_ray, planet_file};
 use glam::{DVec3, IVec3};
@@ -14,13 +14,13 @@ use terrane_planet::globe::sphere::{direction, ONE};
 const SIZE: [u32; 2] = [96, 64];
 /// Vertical field of view in radians.
 const FOV: f64 = 0.9;
-/// Field of view that the planet fills at [`AFAR`].
+/// Field of view in radians that the planet fills from a distance of [`AFAR`].
 const TELEPHOTO: f64 = 8e-5;
-/// A million kilometres.
+/// A million kilometres, in metres.
 const AFAR: f64 = 1e9;
 /// Brightest channel of what is black: one step of dither.
 const BLACK: u8 = 1;
-/// Largest difference of distances of which most pixels must stay, relative: the mesh is coarse in so small a picture.
+/// Largest relative difference of distances that agree. Most pixels must agree, not all: the mesh is coarse in so small a picture.
 const NEARLY: f64 = 0.05;
 
 /// What a frame showed.
@@ -50,7 +50,7 @@ impl Studio {
 
     /// A camera so many metres above the ground, or the sea, of a place.
     fn above(&self, place: DVec3, metres: f64, pitch: f64, fov: f64) -> Camera {
-        // The ground that is known so far, and what finer patches will show.
+        // Above the ground that is known so far, and above that of finer patches.
         let known = self.scene.ground().height_at(place).unwrap();
         let ground = known.max(self.scene.planet().terrain.height(place)).max(0.0);
         Camera::looking(place * (self.radius() + ground + metres), 30.0, pitch, fov, SIZE)
@@ -80,8 +80,8 @@ impl Studio {
         }
     }
 
-    /// Shares of the pixels that show ground, that do not agree with rays on whether there is ground, and of those with ground for rays and
-    /// picture alike, that agree on its distance.
+    /// Three shares of pixels: those that show ground, those where picture and ray disagree on whether there is ground, and, of those with
+    /// ground, those where picture and ray agree on its distance.
     fn agreement(&self, camera: &Camera, shown: &Shown) -> [f64; 3] {
         let (mut ground, mut wrong, mut near, mut count) = (0.0, 0.0, 0.0, 0.0);
         for (k, &distance) in shown.distances.iter().enumerate().step_by(7) {
@@ -161,7 +161,7 @@ fn space_is_black() {
     let Some(context) = device() else { return };
     let mut studio = Studio::new(&context);
     let place = DVec3::new(0.6, 0.48, 0.64);
-    // Away from the planet; and towards it, where it is far smaller than a pixel.
+    // Away from the planet, and towards it from where it is far smaller than a pixel.
     for pitch in [90.0, -90.0] {
         let shown = studio.show(studio.above(place, AFAR, pitch, FOV), "space");
         assert!(shown.mean < 0.1, "mean {}", shown.mean);

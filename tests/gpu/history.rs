@@ -1,4 +1,4 @@
-//! No state from frames before: one view is the same mesh and the same picture however the viewer came to it.
+//! Earlier frames leave no state: one view has the same mesh and the same picture whatever the viewer saw before.
 
 use crate::harness::{device, planet_file};
 use glam::DVec3;
@@ -19,7 +19,7 @@ const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::new(0.8, 0.6, 0.0), ex
 
 /// A viewer over the corner of a face, where patches are finest.
 #[derive(Clone, Copy)]
-struct Stand {
+struct Viewpoint {
     altitude: f64,
     heading: f64,
     fov: f64,
@@ -28,9 +28,9 @@ struct Stand {
     over: DVec3,
 }
 
-const GOAL: Stand = Stand { altitude: 400.0, heading: 40.0, fov: 0.9, tolerance: 0.5, over: DVec3::ONE };
+const GOAL: Viewpoint = Viewpoint { altitude: 400.0, heading: 40.0, fov: 0.9, tolerance: 0.5, over: DVec3::ONE };
 
-impl Stand {
+impl Viewpoint {
     fn view(&self, scene: &Scene) -> View {
         let planet = scene.planet();
         let place = self.over.normalize();
@@ -39,30 +39,30 @@ impl Stand {
     }
 }
 
-/// Stands on the way to the goal, and how many patches each frame takes in.
-fn way(name: &str) -> (Vec<Stand>, usize) {
+/// Viewpoints on the way to the goal, and how many patches each frame uploads.
+fn way(name: &str) -> (Vec<Viewpoint>, usize) {
     match name {
         "at once" => (vec![], 0),
-        // Each frame half as high, faster than patches arrive.
-        "fall" => ((0..10).map(|k| Stand { altitude: GOAL.altitude * f64::from(1 << (10 - k)), ..GOAL }).collect(), 1),
+        // The height halves every frame, faster than patches arrive.
+        "fall" => ((0..10).map(|k| Viewpoint { altitude: GOAL.altitude * f64::from(1 << (10 - k)), ..GOAL }).collect(), 1),
         "slow fall" => {
-            ((1..20).rev().map(|k| Stand { altitude: GOAL.altitude * (1.0 + 0.002 * f64::from(k)), ..GOAL }).collect(), 64)
+            ((1..20).rev().map(|k| Viewpoint { altitude: GOAL.altitude * (1.0 + 0.002 * f64::from(k)), ..GOAL }).collect(), 64)
         }
-        "from below" => ((1..8).map(|k| Stand { altitude: GOAL.altitude * f64::from(k) / 8.0, ..GOAL }).collect(), 64),
+        "from below" => ((1..8).map(|k| Viewpoint { altitude: GOAL.altitude * f64::from(k) / 8.0, ..GOAL }).collect(), 64),
         "turn and zoom" => {
-            let stand = |k: i32| Stand { heading: 40.0 + 30.0 * f64::from(k), fov: 0.2 + 0.1 * f64::from(k), ..GOAL };
-            ((0..8).map(stand).collect(), 3)
+            let viewpoint = |k: i32| Viewpoint { heading: 40.0 + 30.0 * f64::from(k), fov: 0.2 + 0.1 * f64::from(k), ..GOAL };
+            ((0..8).map(viewpoint).collect(), 3)
         }
-        "other tolerances" => ([4.0, 0.1, 1.0].map(|tolerance| Stand { tolerance, ..GOAL }).to_vec(), 64),
+        "other tolerances" => ([4.0, 0.1, 1.0].map(|tolerance| Viewpoint { tolerance, ..GOAL }).to_vec(), 64),
         "across the planet" => {
             let over = [DVec3::NEG_ONE, DVec3::new(-1.0, 1.0, 0.3), DVec3::new(1.0, 1.0, 0.8)];
-            (over.map(|over| Stand { over, ..GOAL }).to_vec(), 8)
+            (over.map(|over| Viewpoint { over, ..GOAL }).to_vec(), 8)
         }
         _ => panic!("no way is called {name}"),
     }
 }
 
-/// What a view shows.
+/// The mesh and the picture of a view.
 #[derive(PartialEq)]
 struct Shown {
     /// Triangles by patch, with the bits of the places where their corners are drawn.
@@ -82,13 +82,13 @@ fn show(scene: &Scene, headless: &mut Headless, view: &View, cut: &terrane_plane
     Shown { triangles: selection.triangles.iter().map(named).collect(), pixels: headless.pixels().unwrap() }
 }
 
-/// Goes a way with a new scene, drawing every frame, and shows the goal.
+/// Draws all frames of a way with a new scene, then the goal.
 fn arrive(context: &Arc<Context>, name: &str) -> Shown {
     let mut scene = Scene::open(context, planet_file(), SceneOptions::default()).unwrap();
     let mut headless = Headless::new(context, (SIZE[0], SIZE[1])).unwrap();
-    let (stands, uploads) = way(name);
-    for stand in stands {
-        let view = stand.view(&scene);
+    let (viewpoints, uploads) = way(name);
+    for viewpoint in viewpoints {
+        let view = viewpoint.view(&scene);
         let cut = scene.update(&view, uploads).unwrap();
         headless.render(&scene, &view, &cut, &LOOK).unwrap();
     }
@@ -120,7 +120,7 @@ fn the_comparison_finds_a_moved_viewer_and_missing_patches() {
     let early = show(&scene, &mut headless, &goal, &early);
     let cut = scene.settle(&goal).unwrap();
     let settled = show(&scene, &mut headless, &goal, &cut);
-    let aside = Stand { altitude: GOAL.altitude * 1.001, ..GOAL }.view(&scene);
+    let aside = Viewpoint { altitude: GOAL.altitude * 1.001, ..GOAL }.view(&scene);
     let cut = scene.settle(&aside).unwrap();
     let aside = show(&scene, &mut headless, &aside, &cut);
     for other in [early, aside] {

@@ -6,7 +6,7 @@ use terrane::shaders::LAYOUT_PROBE_COMP;
 use terrane::vulkan::{Buffer, Commands, ComputePipeline, Context, Memory, Resource, Usage};
 use terrane_planet::draw::layout::probe_words;
 
-/// A word of its own for every member: numbers from 1.0 on, so that no float passes as a NaN, which may change its bits.
+/// A distinct value for every word: floats from 1.0 on, because a NaN may change its bits on the way.
 fn distinct(word: usize) -> u32 {
     1.0f32.to_bits() + word as u32
 }

@@ -1,4 +1,4 @@
-//! Patches that no file holds: built on the way, the same as baked ones, kept for the next time, and within budgets.
+//! Patches that no file holds: they are built on demand, equal baked ones, are cached for the next time, and stay within budgets.
 
 use crate::harness::device;
 use glam::DVec3;
@@ -77,14 +77,14 @@ fn patches_built_on_demand_equal_baked_ones() {
     let mut from_file = Scene::open(&context, &baked, stored).unwrap();
     let expected: Vec<_> = views(&planet).iter().map(|view| drawn(&context, &mut from_file, view)).collect();
     let mut built = Scene::open(&context, &empty, building(&planet, Some(u64::MAX))).unwrap();
-    // The other way round, so that each view comes after another history.
+    // In reverse order, so that each view has other views before it.
     for (view, expected) in views(&planet).iter().zip(&expected).rev() {
         assert!(drawn(&context, &mut built, view) == *expected, "{:?}", view.camera);
     }
     let tally = built.tally();
     assert!(tally.built > 50 && tally.read == 0, "{tally:?}");
     drop(built);
-    // Another time everything comes from the file.
+    // A second scene reads all patches from the file.
     let mut again = Scene::open(&context, &empty, building(&planet, Some(u64::MAX))).unwrap();
     for (view, expected) in views(&planet).iter().zip(&expected) {
         assert!(drawn(&context, &mut again, view) == *expected, "{:?}", view.camera);

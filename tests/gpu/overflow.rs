@@ -6,7 +6,7 @@ use terrane::verify::{random_views, TOLERANCES};
 use terrane::vulkan::{download, Commands};
 use terrane_planet::draw::layout::Mode;
 
-/// Far fewer than any view emits.
+/// Triangles, far fewer than any view emits.
 const CAPACITY: u32 = 20;
 /// A word that no emitted index has.
 const UNTOUCHED: u32 = u32::MAX;

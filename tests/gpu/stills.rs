@@ -1,4 +1,4 @@
-//! Still pictures: tiles against whole pictures, 16 bits against the shader's 8, supersampling, transparency.
+//! Still pictures: those drawn in tiles equal whole ones, 16-bit ones equal the shader's 8-bit ones; supersampling; transparency.
 
 use crate::harness::{device_with, planet_file};
 use glam::DVec3;
@@ -16,7 +16,7 @@ use terrane_planet::planet::Planet;
 
 const SIZE: [u32; 2] = [150, 98];
 
-/// A settled view with ground, sea, air and space in it.
+/// A scene settled for a view of ground, sea, air and space.
 struct Set {
     context: Arc<Context>,
     scene: Scene,
@@ -50,7 +50,7 @@ impl Set {
     }
 }
 
-/// Where land is high, of some places all around.
+/// The highest of some places all around the planet.
 fn highest(planet: &Planet) -> DVec3 {
     let places = (0..24).flat_map(|i| (-5..=5).map(move |j| direction_at(15.0 * f64::from(j), 15.0 * f64::from(i))));
     places.max_by(|a, b| planet.terrain.height(*a).total_cmp(&planet.terrain.height(*b))).unwrap()
@@ -76,7 +76,7 @@ fn apart(a: &[u8], b: &[u8]) -> usize {
     a.chunks_exact(4).zip(b.chunks_exact(4)).filter(|(a, b)| a.iter().zip(*b).any(|(a, b)| a.abs_diff(*b) > 1)).count()
 }
 
-/// Rasterisation rounds places within a tile and within a picture differently: a pixel in a thousand may fall to the other side of an
+/// Rasterisation rounds positions in a tile and in a whole picture differently: one pixel in a thousand may lie on the other side of an
 /// outline.
 const OUTLINE_PIXELS: usize = (SIZE[0] * SIZE[1] / 1000) as usize;
 
@@ -90,7 +90,7 @@ fn a_picture_by_tiles_is_the_picture_at_once() {
         assert_eq!((whole.tiles, tiled.tiles), (1, 6));
         let differing = apart(eight(&whole), eight(&tiled));
         assert!(differing <= OUTLINE_PIXELS, "{differing} pixels differ at {altitude} m");
-        // The comparison sees a picture that is moved by a pixel.
+        // The negative control: a picture that is moved by one pixel differs.
         let mut moved = set.view.camera;
         moved.forward = (moved.forward + moved.right() * moved.pixel_angle()).normalize();
         let moved = View::new(moved, set.scene.lattice(), set.scene.planet().cells, 1.0);
@@ -107,7 +107,7 @@ fn sixteen_bits_say_what_the_shader_says_with_eight() {
         set.look.mode = mode;
         let shader = set.draw(StillOptions::default());
         let ours = set.draw(StillOptions { format: PixelFormat::Sixteen, ..StillOptions::default() });
-        // Half a step for rounding, half for dither, and a tenth for powers that differ.
+        // Half a step for rounding, half for dither, and a tenth for `pow` of shader and CPU.
         let worst = |shader: &Still| {
             let differences =
                 eight(shader).iter().zip(sixteen(&ours)).map(|(a, b)| (f32::from(*a) - f32::from(*b) / 257.0).abs());
@@ -126,7 +126,7 @@ fn sixteen_bits_say_what_the_shader_says_with_eight() {
 #[test]
 fn supersampling_softens_outlines_and_one_sample_changes_nothing() {
     let Some(context) = device_with(Some(1)) else { return };
-    // Depth: ground is brighter than some value, and where there is none it is black.
+    // In pictures of depth all ground is brighter than some value, and space is black.
     let mut set = Set::new(&context, 3000.0, -20.0);
     set.look.mode = Mode::Depth;
     let shades = |still: &Still| sixteen(still).chunks_exact(4).map(|p| p[0]).filter(|&p| p > 0).collect::<Vec<u16>>();
@@ -155,7 +155,7 @@ fn a_transparent_picture_covers_what_it_shows() {
     let count = |of: fn(u8) -> bool| alphas.iter().filter(|&&a| of(a)).count();
     let (none, some, all) = (count(|a| a == 0), count(|a| a > 0 && a < 255), count(|a| a == 255));
     assert!(none > 500 && some > 50 && all > 500, "{none} pixels of space, {some} of air, {all} of ground");
-    // Before black it looks like the opaque picture.
+    // Composited over black it equals the opaque picture.
     let before_black: Vec<u8> = eight(&clear)
         .chunks_exact(4)
         .flat_map(|p| [0, 1, 2].map(|k| (f32::from(p[k]) * f32::from(p[3]) / 255.0).round() as u8).into_iter().chain([255]))

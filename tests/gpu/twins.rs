@@ -55,7 +55,7 @@ fn other_subgroup_widths_give_the_same_mesh() {
     }
 }
 
-/// The first vertex of a view that is awake, could sleep, and has a morph weight that fits.
+/// The first vertex of a view that is awake, not always awake, and has a morph weight that fits.
 fn awake_vertex(bench: &mut Bench, view: &View, fits: impl Fn(f32) -> bool) -> (PatchId, usize) {
     for leaf in bench.scene.settle(view).unwrap().leaves {
         let vertices = &bench.verifier.patch_mut(leaf.id).unwrap().vertices;
@@ -89,7 +89,7 @@ fn one_morph_weight_that_differs_on_the_cpu_is_noticed() {
     let mut bench = Bench::new(&context);
     let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     let (id, k) = awake_vertex(&mut bench, &view, |weight| (0.2..0.8).contains(&weight));
-    // The next wake is a thousandth longer: a thirtieth of the way.
+    // The next larger wake distance is a thousandth longer, which is a thirtieth of the geomorph.
     let vertex = &mut bench.verifier.patch_mut(id).unwrap().vertices[k];
     vertex.grid_own += 1 << 16;
     vertex.parent_coarser += 1 << 16;
