@@ -56,7 +56,7 @@ fn records(path: &Path) -> Vec<Record> {
 const CRATER: [&str; 7] = ["crater", "--at", "-10,-20", "--radius", "900", "--depth", "200"];
 
 #[test]
-fn edits_are_not_listed_or_not_undone() {
+fn edits_are_listed_and_undone() {
     let folder = tempfile::tempdir().unwrap();
     let file = baked(folder.path(), "a.planet");
     let (before, header) = (records(&file), PlanetFile::open(&file).unwrap().header().clone());
@@ -87,7 +87,7 @@ fn edits_are_not_listed_or_not_undone() {
 }
 
 #[test]
-fn more_levels_mix_two_grounds() {
+fn an_edited_file_is_baked_deeper_only_from_its_own_recipe() {
     let folder = tempfile::tempdir().unwrap();
     let file = baked(folder.path(), "a.planet");
     edited(&file, &CRATER);
@@ -107,7 +107,7 @@ fn more_levels_mix_two_grounds() {
 }
 
 #[test]
-fn an_interrupted_edit_is_not_resumed() {
+fn an_interrupted_edit_is_resumed() {
     let folder = tempfile::tempdir().unwrap();
     let [file, whole] = ["a.planet", "b.planet"].map(|name| baked(folder.path(), name));
     edited(&whole, &CRATER);
@@ -134,7 +134,7 @@ fn an_interrupted_edit_is_not_resumed() {
 }
 
 #[test]
-fn bad_edits_change_bytes_or_do_not_say_why() {
+fn bad_edits_change_nothing_and_say_why() {
     let folder = tempfile::tempdir().unwrap();
     let file = baked(folder.path(), "a.planet");
     let before = std::fs::read(&file).unwrap();
@@ -164,7 +164,7 @@ fn bad_edits_change_bytes_or_do_not_say_why() {
 }
 
 #[test]
-fn files_that_cannot_be_edited_change() {
+fn files_that_cannot_be_edited_stay_as_they_are() {
     let folder = tempfile::tempdir().unwrap();
     let file = baked(folder.path(), "a.planet");
     let before = std::fs::read(&file).unwrap();

@@ -31,7 +31,7 @@ fn brightness(folder: &Path, options: &[&str]) -> f64 {
 }
 
 #[test]
-fn dates_exposure_or_clouds_change_nothing() {
+fn dates_exposure_and_clouds_change_the_brightness() {
     if device().is_none() {
         return;
     }

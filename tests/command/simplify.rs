@@ -48,7 +48,7 @@ fn read_ply(path: &Path) -> (usize, usize, [[f64; 3]; 2]) {
 }
 
 #[test]
-fn levels_are_not_what_was_asked_for() {
+fn levels_have_the_face_counts_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let result = simplify(&jacksboro(), &["--faces", "20000,2000,200", "--out", "j.ply"], folder.path());
     assert_eq!((&result["columns"], &result["rows"], &result["format"]), (&403.into(), &344.into(), &"TIFF".into()));
@@ -77,7 +77,7 @@ fn levels_are_not_what_was_asked_for() {
 }
 
 #[test]
-fn kept_samples_move_or_polish_gains_nothing() {
+fn kept_samples_stay_and_polish_lowers_the_error() {
     let folder = tempfile::tempdir().unwrap();
     let polished = simplify(&jacksboro(), &["--faces", "2000", "--out", "p.ply"], folder.path());
     let kept = simplify(&jacksboro(), &["--faces", "2000", "--keep-samples", "--out", "k.ply"], folder.path());
@@ -89,7 +89,7 @@ fn kept_samples_move_or_polish_gains_nothing() {
 }
 
 #[test]
-fn north_is_south() {
+fn north_is_at_the_largest_y() {
     // The first row of the file is its highest: it must come out at the largest y.
     let folder = tempfile::tempdir().unwrap();
     let samples: Vec<u8> = (0..5_u16).flat_map(|row| [(4 - row) * 100; 5]).flat_map(u16::to_le_bytes).collect();
@@ -105,7 +105,7 @@ fn north_is_south() {
 }
 
 #[test]
-fn errors_are_larger_than_asked_for() {
+fn errors_are_at_most_those_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let mut faces = Vec::new();
     for cost in ["certified", "quadric", "spring"] {
@@ -126,7 +126,7 @@ fn errors_are_larger_than_asked_for() {
 }
 
 #[test]
-fn gaps_are_neither_filled_nor_counted() {
+fn gaps_are_filled_and_counted() {
     let folder = tempfile::tempdir().unwrap();
     // 7 x 5 levels, one of which is declared as no data.
     let file = repository("fuzz/seeds/tiff/u16_deflate");
@@ -138,7 +138,7 @@ fn gaps_are_neither_filled_nor_counted() {
 }
 
 #[test]
-fn bad_requests_are_not_explained() {
+fn bad_requests_are_explained() {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("odd.raw"), [0; 7]).unwrap();
     let file = jacksboro();
