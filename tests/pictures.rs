@@ -28,9 +28,9 @@ const FINEST: u8 = 15;
 const MOUNTAINS: [f64; 2] = [44.78, 54.17];
 const MOUNTAINS_M: f64 = 18e3;
 const MOUNTAINS_FINEST: u8 = 11;
-/// Level of the patch whose descendants are taken away to see a picture fail: coarse enough to be seen in two of them.
+/// Level of the patch whose descendants are removed to make a comparison fail: so coarse that two pictures show it.
 const LOST: u8 = 8;
-/// Difference of a channel up to which pixels count as equal.
+/// Largest difference of a channel between pixels that count as equal.
 const LIMIT: u8 = 3;
 /// Share of pixels that may differ by more.
 const OUTLIERS: f64 = 0.005;
@@ -107,7 +107,7 @@ impl Picture {
     }
 }
 
-/// Mean difference of two pictures as people see it from half a metre away (FLIP: Andersson and others 2020), 0 to 1.
+/// Mean perceived difference of two pictures from half a metre away (FLIP: Andersson and others 2020), 0 to 1.
 fn flip(a: &Picture, b: &Picture) -> f32 {
     let [a, b] = [a, b].map(|p| nv_flip::FlipImageRgb8::with_data(p.size[0], p.size[1], &p.rgb));
     nv_flip::FlipPool::from_image(&nv_flip::flip(a, b, nv_flip::DEFAULT_PIXELS_PER_DEGREE)).mean()
@@ -178,7 +178,7 @@ fn compare(name: &str, picture: &Picture, references: &Path, failures: &Path) ->
     ))
 }
 
-/// Whether a picture shows a planet at all, by a second picture of the same view whose pixels are black where nothing is.
+/// Checks that a picture shows a planet, with a depth picture of the same view, whose pixels are black where there is no ground.
 fn check_content(name: &str, picture: &Picture, depth: &Picture) -> Result<(), String> {
     let ground: Vec<[u8; 3]> = picture.pixels().zip(depth.pixels()).filter(|(_, d)| *d != [0; 3]).map(|(p, _)| p).collect();
     let coverage = ground.len() as f64 / f64::from(picture.size[0] * picture.size[1]);
@@ -234,14 +234,14 @@ fn shot(name: &str) -> &'static Shot {
     SHOTS.iter().find(|s| s.name == name).unwrap()
 }
 
-/// What references were rendered with.
+/// The device, processor and settings that references are rendered with.
 fn record(device: &str) -> serde_json::Value {
     let cpu = std::fs::read_to_string("/proc/cpuinfo").unwrap_or_default();
     let model = cpu.lines().find(|l| l.starts_with("model name")).and_then(|l| l.split_once(": "));
     json!({ "device": device, "cpu": model.map_or("unknown", |(_, name)| name), "size": SIZE, "cells": CELLS, "finest_level": FINEST })
 }
 
-/// What the references say they were made with.
+/// The record of the references.
 fn recorded() -> String {
     std::fs::read_to_string(references().join("recorded.json")).unwrap_or_else(|_| "nothing recorded".to_owned())
 }
@@ -283,7 +283,7 @@ fn shading_hardly_depends_on_the_mesh() {
         assert!(found < SHADING_FLIP, "{}: {found}", shot.name);
         println!("{}: FLIP {found:.4}", shot.name);
     }
-    // As much as the light of a sun five degrees higher.
+    // The negative control: a sun that is five degrees higher changes the light by more.
     let shot = shot("coast");
     let other = flip(&render_shot(shot, &["--sun", "135,35"]), &render_shot(shot, &["--sun", "135,40"]));
     assert!(other > SHADING_FLIP, "a change of the light that is seen is not told from none: {other}");

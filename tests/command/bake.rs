@@ -1,4 +1,4 @@
-//! `terrane bake` and `terrane info` as processes: exit codes, messages, and bytes that outlive a kill.
+//! `terrane bake` and `terrane info` as processes: exit codes, messages, and the bytes of a bake that was killed and resumed.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

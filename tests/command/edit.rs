@@ -1,4 +1,4 @@
-//! `terrane edit` as a process: what it says, what it leaves in the file, and what it refuses.
+//! `terrane edit` as a process: its messages, the bytes of the edited file, and the requests that it refuses.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

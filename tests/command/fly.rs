@@ -1,5 +1,5 @@
-//! `terrane fly` as a process, under a display of its own: it starts, obeys mouse and keys, survives resizing, saves a picture, and
-//! ends without a word from validation.
+//! `terrane fly` as a process on an X server of its own: it starts, obeys mouse and keys, survives resizing, saves pictures, and ends
+//! without a message from the validation layers.
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
@@ -8,11 +8,11 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
 
-/// How long to wait for anything that should happen at once.
+/// Longest wait for an event that should come at once.
 const PATIENCE: Duration = Duration::from_secs(60);
 /// Time for a few frames of a software renderer under validation.
 const FRAMES: Duration = Duration::from_millis(700);
-/// Size of the window to begin with.
+/// First size of the window.
 const SIZE: (u32, u32) = (320, 240);
 
 fn terrane(arguments: &[&str]) -> Command {
@@ -52,7 +52,7 @@ impl Drop for Owned {
 /// An X server on a display number that it finds by itself. None if there is no Xvfb.
 fn display() -> Option<(Owned, String)> {
     let mut command = Command::new("Xvfb");
-    // Without -noreset the server starts over whenever its last client leaves, and drops whoever is just coming.
+    // Without -noreset the server resets when its last client leaves, and drops a client that connects at that moment.
     command.args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp", "-noreset"]);
     let mut server = Owned(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().ok()?);
     let mut stdout = server.0.stdout.take().unwrap();
@@ -66,7 +66,7 @@ fn display() -> Option<(Owned, String)> {
     Some((server, format!(":{number}")))
 }
 
-/// Types and points at one window.
+/// Sends keys and mouse events to one window.
 struct Hand {
     display: String,
     window: String,
@@ -77,7 +77,7 @@ impl Hand {
         Command::new("xdotool").args(arguments).env("DISPLAY", display).stdin(Stdio::null()).output().ok()
     }
 
-    /// Waits for the window, and gives it the keyboard, which no window manager does here.
+    /// Waits for the window and gives it the keyboard focus, because no window manager runs here.
     fn on(display: &str, flight: &mut Owned) -> Hand {
         let begun = Instant::now();
         loop {

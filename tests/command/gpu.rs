@@ -1,4 +1,4 @@
-//! `terrane gpus` and `terrane verify` as processes, and what is said where there is no driver.
+//! `terrane gpus` and `terrane verify` as processes, and the message of each command where there is no driver.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

@@ -1,4 +1,4 @@
-//! How `terrane shot` lights pictures: by date, by how bright the scene is, with clouds and without.
+//! The light of `terrane shot`'s pictures: by date, by exposure, with clouds and without.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 

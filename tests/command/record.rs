@@ -1,4 +1,5 @@
-//! `terrane record` and the pictures of `terrane shot` as processes: folders that go on, films by a stand-in for ffmpeg, formats.
+//! `terrane record` and the pictures of `terrane shot` as processes: recordings that resume, films encoded by a script in place of
+//! ffmpeg, and formats.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
@@ -82,7 +83,7 @@ fn films_are_made_by_ffmpeg_and_nothing_is_drawn_without_it() {
         std::fs::write(&path, format!("#!/bin/sh\n{script}\n")).unwrap();
         std::fs::set_permissions(&path, std::fs::Permissions::from_mode(0o755)).unwrap();
     };
-    // Keeps its arguments beside, and what it is told as the film.
+    // A script that writes its arguments into a file, and its input as the film.
     stand_in("echo \"$@\" > arguments; for last; do :; done; exec /bin/cat > \"$last\"");
     let with = record_with(&bin, "film.webm", folder.path());
     assert!(with.status.success(), "{}", text(&with.stderr));

@@ -1,4 +1,4 @@
-//! What the tests that run the command share.
+//! Code that the tests of the command share.
 
 #![allow(dead_code, reason = "every test program uses its own part")]
 

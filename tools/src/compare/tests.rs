@@ -1,4 +1,5 @@
-//! Every method is a whole surface, exact where nothing may be off, and coarser with a larger knob; and the judge sees what is wrong.
+//! Every method draws a surface without holes, exact for a tolerance near zero and coarser with a larger knob; and the measurement finds
+//! faults.
 
 use super::tuning::{measure, tune, Aim};
 use super::*;
@@ -34,7 +35,7 @@ fn place() -> DVec3 {
     DVec3::new(1.0, 0.9, 0.8).normalize()
 }
 
-/// From orbit, and from lower and lower above the place, looking ahead.
+/// Cameras in orbit and at two lower altitudes above the place, which look ahead.
 fn cameras(setting: &Setting) -> Vec<Camera> {
     let radius = setting.tree.lattice.radius * setting.tree.lattice.unit;
     let looks = [(2.0, -90.0), (0.1, -40.0), (0.04, -10.0)];
