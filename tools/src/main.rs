@@ -10,6 +10,8 @@ mod svg;
 use clap::Parser;
 use std::io::IsTerminal;
 use std::process::ExitCode;
+use tracing_subscriber::filter::{LevelFilter, Targets};
+use tracing_subscriber::prelude::*;
 
 /// Whole planets from orbit to the ground.
 #[derive(Parser)]
@@ -30,12 +32,13 @@ enum Outcome {
 fn main() -> ExitCode {
     // `terrane info … | head` ends quietly, as other commands do, instead of panicking.
     sigpipe::reset();
-    let levels = tracing_subscriber::EnvFilter::try_from_default_env().unwrap_or_else(|_| "warn,winit=error".into());
-    tracing_subscriber::fmt()
-        .with_env_filter(levels)
-        .with_ansi(std::io::stderr().is_terminal())
-        .with_writer(std::io::stderr)
-        .init();
+    // RUST_LOG chooses levels, as in "info,terrane=debug".
+    let levels = std::env::var("RUST_LOG")
+        .ok()
+        .and_then(|levels| levels.parse().ok())
+        .unwrap_or_else(|| Targets::new().with_default(LevelFilter::WARN).with_target("winit", LevelFilter::ERROR));
+    let lines = tracing_subscriber::fmt::layer().with_ansi(std::io::stderr().is_terminal()).with_writer(std::io::stderr);
+    tracing_subscriber::registry().with(levels).with(lines).init();
     match Cli::parse().command.run() {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Interrupted) => ExitCode::from(130),
