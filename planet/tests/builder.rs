@@ -1,8 +1,6 @@
 //! The builder on single patches: every vertex collapses, has a certified wake distance, and wakes after those that it needs.
 
-mod common;
-
-use common::TestField;
+use crate::common::TestField;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::ground::HeightGrid;

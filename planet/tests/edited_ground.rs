@@ -3,10 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
-#[path = "common/whole_planet.rs"]
-mod whole_planet;
-
+use crate::whole_planet::{self, draw, of_meshes, views_over};
 use glam::DVec3;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -20,7 +17,6 @@ use terrane_planet::recipe::{Edit, Recipe, Shape};
 use terrane_planet::store::PlanetFile;
 use terrane_planet::store::Region;
 use terrane_planet::verify::SurfaceReport;
-use whole_planet::{draw, of_meshes, views_over};
 
 const CELLS: u32 = 16;
 

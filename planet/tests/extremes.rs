@@ -3,11 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
-mod common;
-#[path = "common/whole_planet.rs"]
-mod whole_planet;
-
-use common::TestField;
+use crate::common::TestField;
+use crate::whole_planet::{planet, Planet};
 use glam::{DVec3, IVec3, Mat4, Vec3};
 use terrane_planet::draw::cut::{cut, is_visible};
 use terrane_planet::draw::view::{Camera, View};
@@ -19,7 +16,6 @@ use terrane_planet::reference::emit::emit;
 use terrane_planet::reference::resolve::resolve;
 use terrane_planet::reference::select::{select, Selected};
 use terrane_planet::verify::SurfaceCheck;
-use whole_planet::{planet, Planet};
 
 const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
 const CELLS: u32 = 16;

@@ -3,11 +3,8 @@
 //! Between two frames the surface is probed along rays from the planet's centre: through every drawn vertex of both frames, and through
 //! random places, inside both pictures. A motion is the radial distance between the two hits, in pixels as the camera sees it.
 
-mod common;
-#[path = "common/whole_planet.rs"]
-mod whole_planet;
-
-use common::TestField;
+use crate::common::TestField;
+use crate::whole_planet::{planet, Planet};
 use glam::{DQuat, DVec3};
 use std::collections::{HashMap, HashSet};
 use terrane_planet::draw::cut::{cut, is_visible, Leaf};
@@ -21,7 +18,6 @@ use terrane_planet::reference::emit::emit;
 use terrane_planet::reference::place::exact_place;
 use terrane_planet::reference::resolve::resolve;
 use terrane_planet::reference::select::select;
-use whole_planet::{planet, Planet};
 
 const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
 

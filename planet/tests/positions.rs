@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot make its patch has failed")]
 
-mod common;
-
-use common::TestField;
+use crate::common::TestField;
 use glam::IVec3;
 use proptest::prelude::*;
 use std::collections::HashSet;

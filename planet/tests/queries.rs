@@ -2,9 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
-mod common;
-
-use common::TestField;
+use crate::common::TestField;
 use glam::DVec3;
 use std::path::Path;
 use std::sync::{Arc, RwLock};

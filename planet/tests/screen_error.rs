@@ -1,10 +1,7 @@
 //! The certificate, measured with rays: what is drawn stays within the tolerance of the finest resident surface.
 
-mod common;
-#[path = "common/whole_planet.rs"]
-mod whole_planet;
-
-use common::TestField;
+use crate::common::TestField;
+use crate::whole_planet::{planet, views, Planet};
 use std::collections::HashMap;
 use terrane_planet::draw::cut::{cut, cut_by, urgency, Cut};
 use terrane_planet::draw::layout::PatchVertex;
@@ -15,7 +12,6 @@ use terrane_planet::reference::emit::emit;
 use terrane_planet::reference::resolve::resolve;
 use terrane_planet::reference::select::{select, Selected};
 use terrane_planet::verify::{measure, Drawn, Effort, FinestSurface, GridCache, Probe, ScreenError};
-use whole_planet::{planet, views, Planet};
 
 const EFFORT: Effort = Effort { pixels: 1024, finer_samples: 4096, seed: 11 };
 

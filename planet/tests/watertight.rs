@@ -1,17 +1,13 @@
 //! Whole planets on the CPU, in random views with mixed levels: watertight by position bits, no flipped triangle, and no awake vertex
 //! without those that it needs.
 
-mod common;
-#[path = "common/whole_planet.rs"]
-mod whole_planet;
-
-use common::TestField;
+use crate::common::TestField;
+use crate::whole_planet::{draw, planet, views, Planet};
 use std::collections::HashMap;
 use terrane_planet::draw::cut::cut;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::verify::SurfaceReport;
-use whole_planet::{draw, planet, views, Planet};
 
 #[test]
 fn every_view_is_watertight_unflipped_and_closed() {

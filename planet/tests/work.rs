@@ -3,11 +3,8 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-mod common;
-#[path = "common/whole_planet.rs"]
-mod whole_planet;
-
-use common::TestField;
+use crate::common::TestField;
+use crate::whole_planet::{planet, views, Planet};
 use terrane_planet::draw::cut::{cut, is_visible, Leaf};
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::view::View;
@@ -15,7 +12,6 @@ use terrane_planet::draw::work::Work;
 use terrane_planet::reference::emit::emit;
 use terrane_planet::reference::resolve::resolve;
 use terrane_planet::reference::select::{select, Selected};
-use whole_planet::{planet, views, Planet};
 
 const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
 

@@ -2,10 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[path = "../common/mod.rs"]
-mod common;
-
-use common::{device, terrane, text};
+use crate::common::{device, terrane, text};
 use std::path::Path;
 
 /// A tiny planet under clouds, baked to its coarsest level.

@@ -3,10 +3,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[path = "../common/mod.rs"]
-mod common;
-
-use common::{device, terrane, text};
+use crate::common::{device, terrane, text};
 use serde_json::Value;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -2,10 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-#[path = "../common/mod.rs"]
-mod common;
-
-use common::{terrane, text};
+use crate::common::{terrane, text};
 
 #[test]
 fn every_cost_is_pictured_at_every_face_count_with_its_error() {
