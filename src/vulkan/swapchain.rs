@@ -5,11 +5,11 @@ use std::time::Duration;
 
 use ash::{khr, vk};
 
+use super::commands::timestamps::Timestamps;
 use super::commands::{Commands, Submission};
+use super::device::surface::Surface;
 use super::error::{api, Result, VulkanError};
-use super::image::{ImageView, RawImage};
-use super::surface::Surface;
-use super::timestamps::Timestamps;
+use super::resources::image::{ImageView, RawImage};
 use super::Context;
 
 /// How long to wait for the window to give an image back: some windows give none while they are hidden. Past it: no frame.

@@ -7,13 +7,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
-use super::error::{api, Result};
 use super::features::{Extras, Features};
 use super::gpu::{choose, Gpu, GpuChoice, GpuInfo, GpuKind};
 use super::instance::Instance;
 use super::memory::allocation_error;
 use super::messages::{MessageLog, ValidationMessage};
 use super::surface::{Surface, Window};
+use crate::vulkan::error::{api, Result};
 
 /// How to create a [`Context`].
 #[derive(Debug, Clone, Default)]
@@ -36,7 +36,7 @@ pub struct Context {
     // Dropped by hand, before the device.
     allocator: ManuallyDrop<Mutex<Allocator>>,
     /// Bytes of all buffers and images.
-    pub(super) allocated: AtomicU64,
+    pub(in crate::vulkan) allocated: AtomicU64,
     push_descriptor: khr::push_descriptor::Device,
     debug: Option<ext::debug_utils::Device>,
     device: ash::Device,

@@ -2,11 +2,11 @@
 
 use ash::vk;
 
-use super::buffer::Buffer;
-use super::commands::Commands;
-use super::error::Result;
-use super::image::{aspect, Image};
 use super::synchronization::Access;
+use super::Commands;
+use crate::vulkan::error::Result;
+use crate::vulkan::resources::buffer::Buffer;
+use crate::vulkan::resources::image::{aspect, Image};
 
 impl Commands {
     /// Sets every 32-bit word of a range, in bytes that are multiples of 4.
@@ -91,7 +91,7 @@ impl Commands {
     ) -> Result<(vk::CommandBuffer, vk::BufferImageCopy)> {
         let commands = self.outside_rendering()?;
         image.check(layer, mip)?;
-        let bytes = super::capture::layer_bytes(image, mip)?;
+        let bytes = crate::vulkan::transfers::capture::layer_bytes(image, mip)?;
         buffer.raw.check_range(offset, bytes)?;
         self.keep(buffer);
         self.keep_raw(image.view().raw.clone());

@@ -2,9 +2,9 @@
 
 use ash::vk;
 
-use super::error::{Result, VulkanError};
 use super::shader::Shader;
 use super::types::{decoration, Module, Type, Variable};
+use crate::vulkan::error::{Result, VulkanError};
 
 /// SPIR-V storage classes.
 mod class {

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::buffer::{Buffer, Usage};
-use super::commands::Commands;
-use super::error::{Result, VulkanError};
-use super::image::Image;
-use super::memory::Memory;
-use super::synchronization::Access;
-use super::Context;
+use crate::vulkan::commands::synchronization::Access;
+use crate::vulkan::commands::Commands;
+use crate::vulkan::device::memory::Memory;
+use crate::vulkan::error::{Result, VulkanError};
+use crate::vulkan::resources::buffer::{Buffer, Usage};
+use crate::vulkan::resources::image::Image;
+use crate::vulkan::Context;
 
 /// The texels of one layer and level, row by row from the top.
 #[derive(Debug, Clone, PartialEq)]

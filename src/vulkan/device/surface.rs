@@ -6,8 +6,8 @@ use std::sync::Arc;
 use ash::{khr, vk};
 use raw_window_handle::{HandleError, HasDisplayHandle, HasWindowHandle};
 
-use super::error::{api, Result, VulkanError};
 use super::instance::Instance;
+use crate::vulkan::error::{api, Result, VulkanError};
 
 /// A window that a surface can be made for, such as one of winit.
 pub trait Window: HasWindowHandle + HasDisplayHandle + Send + Sync + 'static {}

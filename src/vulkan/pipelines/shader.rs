@@ -2,8 +2,8 @@
 
 use ash::vk;
 
-use super::error::{api, Result};
-use super::Context;
+use crate::vulkan::error::{api, Result};
+use crate::vulkan::Context;
 
 /// SPIR-V with the name of the file that it came from.
 #[derive(Debug, Clone, Copy)]

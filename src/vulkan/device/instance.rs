@@ -5,10 +5,10 @@ use std::sync::Arc;
 
 use ash::{ext, vk};
 
-use super::error::{api, Result, VulkanError};
 use super::messages::MessageLog;
+use crate::vulkan::error::{api, Result, VulkanError};
 
-/// The validation layer, asked for by [`ContextOptions::validation`](super::ContextOptions).
+/// The validation layer, asked for by [`ContextOptions::validation`](crate::vulkan::ContextOptions).
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
 /// Owns the instance; dropped last of all Vulkan objects.

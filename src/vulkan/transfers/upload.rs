@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use bytemuck::NoUninit;
 
-use super::buffer::{Buffer, Usage};
-use super::commands::Commands;
-use super::error::{Result, VulkanError};
-use super::image::{Image, ImageView};
-use super::memory::Memory;
-use super::synchronization::Access;
-use super::Context;
+use crate::vulkan::commands::synchronization::Access;
+use crate::vulkan::commands::Commands;
+use crate::vulkan::device::memory::Memory;
+use crate::vulkan::error::{Result, VulkanError};
+use crate::vulkan::resources::buffer::{Buffer, Usage};
+use crate::vulkan::resources::image::{Image, ImageView};
+use crate::vulkan::Context;
 
 /// Offsets in staging memory are multiples of this, as copies to images of every format need.
 const ALIGNMENT: u64 = 16;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::error::{api, Result};
-use super::Context;
+use crate::vulkan::error::{api, Result};
+use crate::vulkan::Context;
 
 /// How to filter.
 #[derive(Debug, Clone, Copy)]

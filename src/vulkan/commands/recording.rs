@@ -7,12 +7,12 @@ use std::sync::Arc;
 use ash::vk;
 use bytemuck::NoUninit;
 
-use super::buffer::Buffer;
-use super::commands::Commands;
-use super::error::{Result, VulkanError};
-use super::image::ImageView;
-use super::layout::{Bindable, RawPipeline, Resource};
 use super::synchronization::{union, Access};
+use super::Commands;
+use crate::vulkan::error::{Result, VulkanError};
+use crate::vulkan::pipelines::layout::{Bindable, RawPipeline, Resource};
+use crate::vulkan::resources::buffer::Buffer;
+use crate::vulkan::resources::image::ImageView;
 
 impl Commands {
     /// Keeps something alive until the commands are done, such as a buffer that is used by its address.

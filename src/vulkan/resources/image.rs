@@ -5,9 +5,9 @@ use std::sync::Arc;
 use ash::vk;
 use gpu_allocator::vulkan::Allocation;
 
-use super::error::{api, Result, VulkanError};
-use super::memory::{self, Memory};
-use super::Context;
+use crate::vulkan::device::memory::{self, Memory};
+use crate::vulkan::error::{api, Result, VulkanError};
+use crate::vulkan::Context;
 
 /// What image to create.
 #[derive(Debug, Clone, Copy)]

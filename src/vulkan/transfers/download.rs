@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use bytemuck::{AnyBitPattern, NoUninit};
 
-use super::buffer::{Buffer, Usage};
-use super::commands::Commands;
-use super::error::Result;
-use super::memory::Memory;
-use super::Context;
+use crate::vulkan::commands::Commands;
+use crate::vulkan::device::memory::Memory;
+use crate::vulkan::error::Result;
+use crate::vulkan::resources::buffer::{Buffer, Usage};
+use crate::vulkan::Context;
 
 /// Copies `count` values from the start of a buffer to the host and waits for them. For tests and checks: it stalls.
 ///

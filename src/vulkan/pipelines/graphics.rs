@@ -4,11 +4,11 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::error::{api, Result, VulkanError};
 use super::layout::{Bindable, RawPipeline, RawPipelineRef, Specialization};
 use super::reflection::Reflection;
 use super::shader::{Module, Shader};
-use super::Context;
+use crate::vulkan::error::{api, Result, VulkanError};
+use crate::vulkan::Context;
 
 /// How fragments are combined with what is there.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

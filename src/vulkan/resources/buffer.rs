@@ -6,9 +6,9 @@ use ash::vk;
 use bytemuck::{AnyBitPattern, NoUninit};
 use gpu_allocator::vulkan::Allocation;
 
-use super::error::{api, Result, VulkanError};
-use super::memory::{self, Memory};
-use super::Context;
+use crate::vulkan::device::memory::{self, Memory};
+use crate::vulkan::error::{api, Result, VulkanError};
+use crate::vulkan::Context;
 
 /// What a buffer is for. Every buffer can also be copied from and to.
 pub type Usage = vk::BufferUsageFlags;
@@ -77,7 +77,7 @@ impl Buffer {
 
     /// Address for `buffer_reference` in shaders; 0 for buffers that are no storage buffers. For data that shaders read
     /// only: validation does not see writes through addresses. A buffer used by its address alone must be kept alive
-    /// with [`Commands::keep`](super::Commands::keep).
+    /// with [`Commands::keep`](crate::vulkan::Commands::keep).
     pub fn device_address(&self) -> u64 {
         self.raw.address
     }

@@ -2,16 +2,22 @@
 //!
 //! What is recorded is in `recording.rs` (compute, barriers), `copies.rs` and `rendering.rs` (drawing).
 
+pub(super) mod copies;
+pub(super) mod recording;
+pub(super) mod rendering;
+pub(super) mod synchronization;
+pub(super) mod timestamps;
+
 use std::any::Any;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use ash::vk;
 
-use super::error::{api, Result, VulkanError};
-use super::layout::RawPipeline;
-use super::timestamps::{Queries, Timestamps};
-use super::Context;
+use crate::vulkan::error::{api, Result, VulkanError};
+use crate::vulkan::pipelines::layout::RawPipeline;
+use crate::vulkan::Context;
+use timestamps::{Queries, Timestamps};
 
 /// How long to wait for the GPU; a frame of a software renderer takes seconds at worst. Past it: `Timeout`.
 pub(crate) const WAIT_LIMIT: Duration = Duration::from_secs(120);

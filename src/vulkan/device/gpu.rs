@@ -4,9 +4,9 @@ use std::ffi::CStr;
 
 use ash::{khr, vk};
 
-use super::error::{api, Result, VulkanError};
 use super::features::{missing_features, Extras};
 use super::instance::Instance;
+use crate::vulkan::error::{api, Result, VulkanError};
 
 /// Which GPU to use.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]

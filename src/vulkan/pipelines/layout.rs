@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use ash::vk;
 
-use super::buffer::{Buffer, Usage};
-use super::error::{api, Result, VulkanError};
-use super::image::ImageView;
 use super::reflection::{Binding, BindingKind, Reflection};
-use super::sampler::Sampler;
-use super::Context;
+use crate::vulkan::error::{api, Result, VulkanError};
+use crate::vulkan::resources::buffer::{Buffer, Usage};
+use crate::vulkan::resources::image::ImageView;
+use crate::vulkan::resources::sampler::Sampler;
+use crate::vulkan::Context;
 
 /// A resource for a binding.
 #[derive(Clone, Copy)]
@@ -19,9 +19,9 @@ pub enum Resource<'a> {
     Storage(&'a Buffer),
     /// A whole buffer, for a `uniform` block.
     Uniform(&'a Buffer),
-    /// An image that is in the layout of [`Access::Sampled`](super::Access::Sampled), and how to filter it.
+    /// An image that is in the layout of [`Access::Sampled`](crate::vulkan::Access::Sampled), and how to filter it.
     Sampled(&'a ImageView, &'a Sampler),
-    /// An image that is in the layout of [`Access::ComputeWrite`](super::Access::ComputeWrite).
+    /// An image that is in the layout of [`Access::ComputeWrite`](crate::vulkan::Access::ComputeWrite).
     StorageImage(&'a ImageView),
 }
 
@@ -75,7 +75,7 @@ pub(crate) struct RawPipeline {
     pub(crate) push_constant_bytes: u32,
 }
 
-/// A compute or graphics pipeline, for [`Commands::bind`](super::Commands::bind).
+/// A compute or graphics pipeline, for [`Commands::bind`](crate::vulkan::Commands::bind).
 pub trait Bindable {
     #[doc(hidden)]
     fn raw(&self) -> RawPipelineRef<'_>;

@@ -2,11 +2,11 @@
 
 use ash::vk;
 
-use super::buffer::{Buffer, Usage};
-use super::commands::Commands;
-use super::error::Result;
-use super::image::ImageView;
 use super::synchronization::Access;
+use super::Commands;
+use crate::vulkan::error::Result;
+use crate::vulkan::resources::buffer::{Buffer, Usage};
+use crate::vulkan::resources::image::ImageView;
 
 /// Size of the arguments of one indexed indirect draw: index count, instance count, first index, vertex offset (signed),
 /// first instance.

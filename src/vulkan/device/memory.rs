@@ -6,8 +6,8 @@ use std::sync::atomic::Ordering;
 
 use gpu_allocator::{AllocationError, MemoryLocation};
 
-use super::error::{Result, VulkanError};
-use super::Context;
+use crate::vulkan::error::{Result, VulkanError};
+use crate::vulkan::Context;
 
 /// Where a buffer lives.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

@@ -5,8 +5,8 @@ use std::time::Duration;
 
 use ash::vk;
 
-use super::error::{api, Result};
-use super::Context;
+use crate::vulkan::error::{api, Result};
+use crate::vulkan::Context;
 
 /// Zones timed in one submission; later ones are labels only.
 pub const MAX_ZONES: usize = 64;
