@@ -1,6 +1,7 @@
 //! A thin Vulkan layer: the only place with `unsafe`.
 //!
 //! In: SPIR-V, host data and a window. Out: commands run on the GPU and pictures read back. It knows nothing of planets.
+//! Each room uses those before it: `error`, `device`, `resources`, `pipelines`, `commands`, `transfers`, `swapchain`.
 //! Start with [`Context`], then [`Buffer`], [`Image`], [`ComputePipeline`], [`GraphicsPipeline`] and [`Commands`].
 
 mod commands;

@@ -91,7 +91,7 @@ impl Commands {
     ) -> Result<(vk::CommandBuffer, vk::BufferImageCopy)> {
         let commands = self.outside_rendering()?;
         image.check(layer, mip)?;
-        let bytes = crate::vulkan::transfers::capture::layer_bytes(image, mip)?;
+        let bytes = image.layer_bytes(mip)?;
         buffer.raw.check_range(offset, bytes)?;
         self.keep(buffer);
         self.keep_raw(image.view().raw.clone());

@@ -152,6 +152,16 @@ impl Image {
         &self.raw().name
     }
 
+    /// Bytes of one layer of a mip level, tightly packed.
+    pub(crate) fn layer_bytes(&self, mip: u32) -> Result<u64> {
+        let texel = texel_bytes(self.format()).ok_or_else(|| {
+            let problem = format!("format {:?} is not supported here", self.format());
+            VulkanError::Access { what: self.name().to_owned(), problem }
+        })?;
+        let (width, height) = self.mip_size(mip);
+        Ok(texel * u64::from(width) * u64::from(height))
+    }
+
     /// Another handle to the same image.
     pub(crate) fn share(&self) -> Self {
         Self { view: self.view.clone(), mips: self.mips, layers: self.layers }
@@ -261,6 +271,23 @@ pub(crate) fn aspect(format: vk::Format) -> vk::ImageAspectFlags {
         vk::Format::D32_SFLOAT | vk::Format::D16_UNORM => vk::ImageAspectFlags::DEPTH,
         _ => vk::ImageAspectFlags::COLOR,
     }
+}
+
+/// Bytes of one texel; none for formats that nothing here copies.
+fn texel_bytes(format: vk::Format) -> Option<u64> {
+    use vk::Format as F;
+    Some(match format {
+        F::R8_UNORM | F::R8_UINT | F::R8_SNORM => 1,
+        F::R8G8_UNORM | F::R8G8_SNORM | F::R16_UNORM | F::R16_SNORM | F::R16_SFLOAT => 2,
+        F::R16_UINT | F::D16_UNORM => 2,
+        F::R8G8B8A8_UNORM | F::R8G8B8A8_SRGB | F::R8G8B8A8_SNORM | F::B8G8R8A8_UNORM => 4,
+        F::R16G16_UNORM | F::R16G16_SNORM | F::R16G16_SFLOAT => 4,
+        F::R32_SFLOAT | F::R32_UINT | F::R32_SINT | F::D32_SFLOAT => 4,
+        F::R16G16B16A16_SFLOAT | F::R16G16B16A16_UNORM | F::R16G16B16A16_SNORM => 8,
+        F::R32G32_SFLOAT | F::R32G32_UINT => 8,
+        F::R32G32B32A32_SFLOAT | F::R32G32B32A32_UINT => 16,
+        _ => return None,
+    })
 }
 
 /// Past these limits some drivers create an image all the same, and return wrong texels.

@@ -34,7 +34,7 @@ pub fn capture(context: &Arc<Context>, image: &Image, (layer, mip): (u32, u32), 
         let problem = "its contents are undefined".to_owned();
         return Err(VulkanError::Access { what: image.name().to_owned(), problem });
     }
-    let bytes = layer_bytes(image, mip)?;
+    let bytes = image.layer_bytes(mip)?;
     let view = image.layer_view(layer, mip)?;
     let usage = Usage::TRANSFER_DST;
     let target = Buffer::new(context, "capture", bytes, usage, Memory::Readback)?;
@@ -67,7 +67,7 @@ impl Captured {
                 Ok(words().map(f32::from_le_bytes).collect())
             }
             vk::Format::R32_UINT | vk::Format::R32G32_UINT => Ok(words().map(|word| u32::from_le_bytes(word) as f32).collect()),
-            format => Err(unknown("capture", format)),
+            format => Err(unknown(format)),
         }
     }
 
@@ -83,37 +83,14 @@ impl Captured {
                 bytes.chunks_exact_mut(4).for_each(|texel| texel.swap(0, 2));
                 Ok(bytes)
             }
-            format => Err(unknown("capture", format)),
+            format => Err(unknown(format)),
         }
     }
 }
 
-/// Bytes of one layer of a mip level, tightly packed.
-pub(crate) fn layer_bytes(image: &Image, mip: u32) -> Result<u64> {
-    let texel = texel_bytes(image.format()).ok_or_else(|| unknown(image.name(), image.format()))?;
-    let (width, height) = image.mip_size(mip);
-    Ok(texel * u64::from(width) * u64::from(height))
-}
-
-fn texel_bytes(format: vk::Format) -> Option<u64> {
-    use vk::Format as F;
-    Some(match format {
-        F::R8_UNORM | F::R8_UINT | F::R8_SNORM => 1,
-        F::R8G8_UNORM | F::R8G8_SNORM | F::R16_UNORM | F::R16_SNORM | F::R16_SFLOAT => 2,
-        F::R16_UINT | F::D16_UNORM => 2,
-        F::R8G8B8A8_UNORM | F::R8G8B8A8_SRGB | F::R8G8B8A8_SNORM | F::B8G8R8A8_UNORM => 4,
-        F::R16G16_UNORM | F::R16G16_SNORM | F::R16G16_SFLOAT => 4,
-        F::R32_SFLOAT | F::R32_UINT | F::R32_SINT | F::D32_SFLOAT => 4,
-        F::R16G16B16A16_SFLOAT | F::R16G16B16A16_UNORM | F::R16G16B16A16_SNORM => 8,
-        F::R32G32_SFLOAT | F::R32G32_UINT => 8,
-        F::R32G32B32A32_SFLOAT | F::R32G32B32A32_UINT => 16,
-        _ => return None,
-    })
-}
-
-fn unknown(what: &str, format: vk::Format) -> VulkanError {
+fn unknown(format: vk::Format) -> VulkanError {
     let problem = format!("format {format:?} is not supported here");
-    VulkanError::Access { what: what.to_owned(), problem }
+    VulkanError::Access { what: "capture".to_owned(), problem }
 }
 
 /// IEEE 754 half precision, exactly.

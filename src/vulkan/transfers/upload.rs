@@ -81,7 +81,7 @@ impl Upload {
     pub fn image<T: NoUninit>(&mut self, image: &Image, layer: u32, mip: u32, texels: &[T]) -> Result<()> {
         let bytes: &[u8] = bytemuck::cast_slice(texels);
         let view = image.layer_view(layer, mip)?;
-        let expected = super::capture::layer_bytes(image, mip)?;
+        let expected = image.layer_bytes(mip)?;
         if bytes.len() as u64 != expected {
             let problem = format!("{} bytes of texels; level {mip} has {expected}", bytes.len());
             return Err(VulkanError::Access { what: image.name().to_owned(), problem });
