@@ -6,6 +6,7 @@
 //! `aerial.comp`. Twin: `reference/air.rs`, by brute force.
 
 use super::buffers::FrameBuffers;
+use super::stage::Stage;
 use crate::shaders;
 use crate::vulkan::{
     vk, Access, Commands, ComputePipeline, Context, Image, ImageDescription, Resource, Result, Sampler, SamplerDescription,
@@ -101,10 +102,10 @@ impl Air {
         }
         let medium = medium_words(shading);
         if self.medium != Some(medium) {
-            commands.zone("air tables", |c| self.record_lasting(c, buffers))?;
+            Stage::AirTables.record(commands, |c| self.record_lasting(c, buffers))?;
             self.medium = Some(medium);
         }
-        commands.zone("air", |c| self.record_eye(c, buffers))
+        Stage::Air.record(commands, |c| self.record_eye(c, buffers))
     }
 
     fn record_lasting(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {

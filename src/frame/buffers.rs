@@ -1,10 +1,10 @@
 //! The buffers that a frame's stages share: what the CPU writes (one set for each frame in flight) and what the GPU writes
 //! (one set: frames follow each other on the queue). They grow as needed and never shrink.
 
-use super::tables::FrameTables;
+use super::tables::{FrameTables, MeshTasks};
 use crate::vulkan::{Buffer, Context, Memory, Result, Usage, FRAMES_IN_FLIGHT};
 use std::sync::Arc;
-use terrane_planet::draw::layout::{DrawnVertex, EmitState, FrameView, Shading};
+use terrane_planet::draw::layout::{DrawnVertex, EmitState, FrameView, Shading, Task};
 
 /// Most triangles a frame emits unless told otherwise; more are counted, not drawn, and reported.
 pub const MAX_TRIANGLES: u32 = 6_000_000;
@@ -15,10 +15,17 @@ struct Inputs {
     shading: Buffer,
     reset: Buffer,
     patches: Buffer,
-    tasks: [Buffer; 3],
-    task_counts: [u32; 3],
+    tasks: MeshTasks<Tasks>,
     /// The emit state, read back.
     readback: Buffer,
+}
+
+/// The tasks of a stage on the GPU.
+pub(super) struct Tasks {
+    /// The tasks.
+    pub(super) buffer: Buffer,
+    /// How many of them there are.
+    pub(super) count: u32,
 }
 
 /// All buffers of a renderer.
@@ -117,22 +124,24 @@ impl FrameBuffers {
         &self.input().patches
     }
 
-    /// Tasks of a stage (0 select, 1 resolve, 2 emit) and their number.
-    pub fn tasks(&self, stage: usize) -> (&Buffer, u32) {
-        (&self.input().tasks[stage], self.input().task_counts[stage])
+    /// Tasks of the mesh stages.
+    pub(super) fn tasks(&self) -> &MeshTasks<Tasks> {
+        &self.input().tasks
     }
 }
 
 impl Inputs {
     fn new(context: &Arc<Context>) -> Result<Inputs> {
-        let upload = |name: &str, bytes: u64| Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER, Memory::Upload);
         Ok(Inputs {
-            view: upload("view", bytes_of::<FrameView>())?,
-            shading: upload("shading", bytes_of::<Shading>())?,
-            reset: upload("emit reset", bytes_of::<EmitState>())?,
-            patches: upload("patches", 4096)?,
-            tasks: [upload("select tasks", 4096)?, upload("resolve tasks", 4096)?, upload("emit tasks", 4096)?],
-            task_counts: [0; 3],
+            view: upload(context, "view", bytes_of::<FrameView>())?,
+            shading: upload(context, "shading", bytes_of::<Shading>())?,
+            reset: upload(context, "emit reset", bytes_of::<EmitState>())?,
+            patches: upload(context, "patches", 4096)?,
+            tasks: MeshTasks {
+                select: Tasks::new(context, "select tasks")?,
+                resolve: Tasks::new(context, "resolve tasks")?,
+                emit: Tasks::new(context, "emit tasks")?,
+            },
             readback: Buffer::new(context, "emit readback", bytes_of::<EmitState>(), Usage::TRANSFER_DST, Memory::Readback)?,
         })
     }
@@ -145,23 +154,38 @@ impl Inputs {
         shading: &Shading,
         capacity: u32,
     ) -> Result<()> {
-        let upload = |name: &str, bytes: u64| Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER, Memory::Upload);
         self.view.write(0, &[*view])?;
         self.shading.write(0, &[*shading])?;
         self.reset.write(0, &[EmitState { capacity, instance_count: 1, ..EmitState::default() }])?;
-        grow(&mut self.patches, std::mem::size_of_val(tables.patches.as_slice()) as u64, |bytes| upload("patches", bytes))?;
+        grow(&mut self.patches, std::mem::size_of_val(tables.patches.as_slice()) as u64, |bytes| {
+            upload(context, "patches", bytes)
+        })?;
         self.patches.write(0, &tables.patches)?;
-        for ((buffer, tasks), count) in self.tasks.iter_mut().zip(&tables.tasks).zip(&mut self.task_counts) {
-            grow(buffer, std::mem::size_of_val(tasks.as_slice()) as u64, |bytes| upload("tasks", bytes))?;
-            buffer.write(0, tasks)?;
-            *count = tasks.len() as u32;
-        }
+        self.tasks.select.write(context, "select tasks", &tables.tasks.select)?;
+        self.tasks.resolve.write(context, "resolve tasks", &tables.tasks.resolve)?;
+        self.tasks.emit.write(context, "emit tasks", &tables.tasks.emit)
+    }
+}
+
+impl Tasks {
+    fn new(context: &Arc<Context>, name: &str) -> Result<Tasks> {
+        Ok(Tasks { buffer: upload(context, name, 4096)?, count: 0 })
+    }
+
+    fn write(&mut self, context: &Arc<Context>, name: &str, tasks: &[Task]) -> Result<()> {
+        grow(&mut self.buffer, size_of_val(tasks) as u64, |bytes| upload(context, name, bytes))?;
+        self.buffer.write(0, tasks)?;
+        self.count = tasks.len() as u32;
         Ok(())
     }
 }
 
 fn bytes_of<T>() -> u64 {
     size_of::<T>() as u64
+}
+
+fn upload(context: &Arc<Context>, name: &str, bytes: u64) -> Result<Buffer> {
+    Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER, Memory::Upload)
 }
 
 fn storage(context: &Arc<Context>, name: &str, bytes: u64) -> Result<Buffer> {

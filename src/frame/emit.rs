@@ -23,21 +23,21 @@ impl Emit {
 
     /// Records the stage: reads `buffers.resolved` and `buffers.places`, fills `buffers.indices` and `buffers.state`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
-        let (tasks, count) = buffers.tasks(2);
+        let tasks = &buffers.tasks().emit;
         commands.bind(
             &self.emit,
             &[
                 ("View", Resource::Storage(buffers.view())),
                 ("Patches", Resource::Storage(buffers.patches())),
-                ("Tasks", Resource::Storage(tasks)),
+                ("Tasks", Resource::Storage(&tasks.buffer)),
                 ("Resolved", Resource::Storage(&buffers.resolved)),
                 ("Indices", Resource::Storage(&buffers.indices)),
                 ("State", Resource::Storage(&buffers.state)),
                 ("Places", Resource::Storage(&buffers.places)),
             ],
         )?;
-        commands.push_constants(&count)?;
-        commands.dispatch_rows(count)?;
+        commands.push_constants(&tasks.count)?;
+        commands.dispatch_rows(tasks.count)?;
         commands.barrier(&[Access::ComputeWrite], &[Access::ComputeWrite])?;
         commands.bind(&self.arguments, &[("State", Resource::Storage(&buffers.state))])?;
         commands.dispatch(1, 1, 1)

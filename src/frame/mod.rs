@@ -15,6 +15,7 @@ mod resolve;
 mod select;
 mod shading;
 mod sky;
+mod stage;
 mod stars;
 mod tables;
 mod targets;
@@ -25,7 +26,8 @@ pub use buffers::{FrameBuffers, MAX_TRIANGLES};
 #[cfg(feature = "app")]
 pub use overlay::Overlay;
 pub use shading::{shading, sun_over, Look, DAYLIGHT};
-pub use tables::FrameTables;
+pub use stage::{PerStage, Stage};
+pub use tables::{FrameTables, MeshTasks};
 pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
 
 use crate::scene::Scene;
@@ -47,16 +49,8 @@ use terrane_planet::draw::view::View;
 use tiles::Tiles;
 use tonemap::Tonemap;
 
-/// Names of the GPU zones of a frame, in order (`air tables` only where the medium is new, `lines` only in wire
-/// mode, `meter` only where exposure is metered).
-pub const STAGES: [&str; 13] =
-    ["select", "resolve", "emit", "air tables", "air", "draw", "edges", "ocean", "lines", "sky", "stars", "meter", "tonemap"];
-
 /// Seconds after which the sea begins again, before single precision runs out.
 const WAVES_REPEAT: f64 = 7200.0;
-
-/// How many of them, from the first, make the mesh.
-pub const MESH_STAGES: usize = 3;
 
 /// Pipelines, targets and buffers of all stages.
 pub struct Renderer {
@@ -147,7 +141,7 @@ impl Renderer {
     }
 
     fn record_emit(&self, commands: &mut Commands) -> Result<()> {
-        commands.zone("emit", |c| self.emit.record(c, &self.buffers))?;
+        Stage::Emit.record(commands, |c| self.emit.record(c, &self.buffers))?;
         let after = [Access::IndirectRead, Access::IndexRead, Access::GraphicsRead, Access::TransferRead];
         commands.barrier(&[Access::ComputeWrite], &after)?;
         self.buffers.record_readback(commands)
@@ -165,9 +159,9 @@ impl Renderer {
         let between = (&[Access::ComputeWrite], &[Access::ComputeRead, Access::ComputeWrite]);
         self.buffers.record_reset(commands)?;
         commands.barrier(&[Access::TransferWrite], between.1)?;
-        commands.zone("select", |c| self.select.record(c, &self.buffers))?;
+        Stage::Select.record(commands, |c| self.select.record(c, &self.buffers))?;
         commands.barrier(between.0, between.1)?;
-        commands.zone("resolve", |c| self.resolve.record(c, &self.buffers))?;
+        Stage::Resolve.record(commands, |c| self.resolve.record(c, &self.buffers))?;
         commands.barrier(between.0, between.1)?;
         self.record_emit(commands)
     }
@@ -186,38 +180,39 @@ impl Renderer {
             commands.transition(samples.ground.view(), Access::Undefined, Access::ColorTarget)?;
             commands.transition(samples.depth.view(), Access::Undefined, Access::DepthTarget)?;
         }
-        commands.zone("draw", |c| self.draw.record(c, &self.buffers, scene, targets, air_tables, &self.tiles))?;
+        Stage::Draw.record(commands, |c| self.draw.record(c, &self.buffers, scene, targets, air_tables, &self.tiles))?;
         let edges = targets.edges.view();
         commands.transition(edges, Access::Undefined, Access::ColorTarget)?;
         if let Some(samples) = &targets.samples {
             commands.transition(samples.depth.view(), Access::DepthTarget, Access::Sampled)?;
             commands.transition(samples.ground.view(), Access::ColorTarget, Access::Sampled)?;
-            commands.zone("edges", |c| self.edges.record(c, targets))?;
+            Stage::Edges.record(commands, |c| self.edges.record(c, targets))?;
         } else {
             targets.clear_edges(commands)?;
         }
         commands.transition(edges, Access::ColorTarget, Access::Sampled)?;
         commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("ocean", |c| self.ocean.record(c, &self.buffers, scene.clouds(), targets, air_tables, &self.tiles))?;
+        Stage::Ocean
+            .record(commands, |c| self.ocean.record(c, &self.buffers, scene.clouds(), targets, air_tables, &self.tiles))?;
         if look.mode == Mode::Wire {
             commands.transition(depth, Access::Sampled, Access::DepthTarget)?;
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
-            commands.zone("lines", |c| self.draw.record_lines(c, &self.buffers, targets))?;
+            Stage::Lines.record(commands, |c| self.draw.record_lines(c, &self.buffers, targets))?;
             commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         }
         commands.transition(water, Access::ColorTarget, Access::Sampled)?;
-        commands.zone("sky", |c| self.sky.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
+        Stage::Sky.record(commands, |c| self.sky.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
         if self.starry && !look.mode.is_diagram() {
             commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
-            commands.zone("stars", |c| self.stars.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
+            Stage::Stars.record(commands, |c| self.stars.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
         }
         commands.transition(air, Access::ColorTarget, Access::Sampled)?;
         if look.metering.is_some() {
-            commands.zone("meter", |c| self.meter.record(c, &self.buffers, targets))?;
+            Stage::Meter.record(commands, |c| self.meter.record(c, &self.buffers, targets))?;
             self.metered = true;
         }
-        commands.zone("tonemap", |c| self.tonemap.record(c, &self.buffers, targets, &self.meter, picture))
+        Stage::Tonemap.record(commands, |c| self.tonemap.record(c, &self.buffers, targets, &self.meter, picture))
     }
 
     /// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.

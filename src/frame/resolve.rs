@@ -18,17 +18,17 @@ impl Resolve {
 
     /// Records the stage: reads `buffers.awake`, fills `buffers.resolved`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
-        let (tasks, count) = buffers.tasks(1);
+        let tasks = &buffers.tasks().resolve;
         commands.bind(
             &self.pipeline,
             &[
                 ("Patches", Resource::Storage(buffers.patches())),
-                ("Tasks", Resource::Storage(tasks)),
+                ("Tasks", Resource::Storage(&tasks.buffer)),
                 ("Awake", Resource::Storage(&buffers.awake)),
                 ("Resolved", Resource::Storage(&buffers.resolved)),
             ],
         )?;
-        commands.push_constants(&count)?;
-        commands.dispatch_rows(count)
+        commands.push_constants(&tasks.count)?;
+        commands.dispatch_rows(tasks.count)
     }
 }

@@ -23,19 +23,19 @@ impl Select {
 
     /// Records the stage: fills `buffers.awake` and `buffers.places`, and counts the awake vertices.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
-        let (tasks, count) = buffers.tasks(0);
+        let tasks = &buffers.tasks().select;
         commands.bind(
             &self.pipeline,
             &[
                 ("View", Resource::Storage(buffers.view())),
                 ("Patches", Resource::Storage(buffers.patches())),
-                ("Tasks", Resource::Storage(tasks)),
+                ("Tasks", Resource::Storage(&tasks.buffer)),
                 ("Awake", Resource::Storage(&buffers.awake)),
                 ("State", Resource::Storage(&buffers.state)),
                 ("Places", Resource::Storage(&buffers.places)),
             ],
         )?;
-        commands.push_constants(&count)?;
-        commands.dispatch_rows(count)
+        commands.push_constants(&tasks.count)?;
+        commands.dispatch_rows(tasks.count)
     }
 }

@@ -10,6 +10,17 @@ use terrane_planet::draw::cut::{is_visible, texture_distance, Cut, Leaf, TEXEL_P
 use terrane_planet::draw::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_LAYER, RESOLVE_CHUNK, SELECT_CHUNK};
 use terrane_planet::draw::view::View;
 
+/// Something for each stage that works through tasks.
+#[derive(Default)]
+pub struct MeshTasks<T> {
+    /// Of `select`.
+    pub select: T,
+    /// Of `resolve`.
+    pub resolve: T,
+    /// Of `emit`.
+    pub emit: T,
+}
+
 /// The tables of one frame.
 #[derive(Default)]
 pub struct FrameTables {
@@ -17,8 +28,8 @@ pub struct FrameTables {
     pub patches: Vec<PatchDraw>,
     /// The leaf of each of them.
     pub leaves: Vec<Leaf>,
-    /// Work of `select`, `resolve` and `emit`.
-    pub tasks: [Vec<Task>; 3],
+    /// Work of the mesh stages.
+    pub tasks: MeshTasks<Vec<Task>>,
     /// Words of awake bits.
     pub awake_words: u32,
     /// Resolved vertices.
@@ -66,7 +77,7 @@ impl FrameTables {
             grid_axis,
         });
         self.leaves.push(leaf);
-        let [select, resolve, emit] = &mut self.tasks;
+        let MeshTasks { select, resolve, emit } = &mut self.tasks;
         add_tasks(select, number, 0..work.vertices, SELECT_CHUNK);
         add_tasks(resolve, number, 0..work.vertices, RESOLVE_CHUNK);
         work.triangles.iter().for_each(|run| add_tasks(emit, number, run.clone(), EMIT_CHUNK));

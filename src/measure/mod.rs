@@ -5,7 +5,7 @@
 
 pub mod live;
 
-use crate::frame::{Look, MESH_STAGES, STAGES};
+use crate::frame::{Look, PerStage, Stage};
 use crate::headless::Headless;
 use crate::scene::{Scene, SceneError};
 use std::time::Instant;
@@ -22,8 +22,8 @@ pub struct FrameCost {
     pub tables_ms: f64,
     /// CPU milliseconds for recording the commands.
     pub record_ms: f64,
-    /// GPU milliseconds of each of [`STAGES`]; `None` for stages that did not run, or without timestamps.
-    pub stages_ms: [Option<f64>; STAGES.len()],
+    /// GPU milliseconds of each stage; `None` for stages that did not run, or without timestamps.
+    pub stages_ms: PerStage<Option<f64>>,
     /// Milliseconds from submission to completion.
     pub gpu_wall_ms: f64,
     /// Milliseconds from the cut to the GPU's completion: CPU and GPU one after the other, as nothing overlaps here.
@@ -45,7 +45,7 @@ pub struct FrameCost {
 impl FrameCost {
     /// GPU milliseconds of the stages that make the mesh: select, resolve and emit. `None` without timestamps.
     pub fn mesh_ms(&self) -> Option<f64> {
-        self.stages_ms[..MESH_STAGES].iter().copied().sum()
+        Stage::MESH.iter().map(|stage| self.stages_ms[*stage]).sum()
     }
 }
 
@@ -67,7 +67,7 @@ pub fn measure_frame(scene: &mut Scene, headless: &mut Headless, view: &View, lo
         cut_ms,
         tables_ms: report.tables_ms,
         record_ms: report.record_ms,
-        stages_ms: STAGES.map(|stage| report.times.ms(stage)),
+        stages_ms: PerStage::gpu_ms(&report.times),
         gpu_wall_ms: report.times.wall_ms,
         frame_ms: milliseconds(begun),
         triangles: report.counters.wanted.min(report.counters.capacity),

@@ -5,6 +5,7 @@ mod percentiles;
 mod savings;
 
 use super::paths::load_path;
+use super::stage_times::stage_times;
 use super::viewing::{camera_over, picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
@@ -13,7 +14,7 @@ use percentiles::{summarise, Line};
 use savings::VARIANTS;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
-use terrane::frame::{Look, STAGES};
+use terrane::frame::Look;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
@@ -184,13 +185,11 @@ fn percentiles_of(line: &Line) -> (String, Value) {
 }
 
 fn row(stand: &Keyframe, c: &FrameCost) -> Value {
-    let stages: serde_json::Map<_, _> =
-        STAGES.iter().zip(c.stages_ms).filter_map(|(stage, ms)| Some(((*stage).to_owned(), json!(ms?)))).collect();
     json!({
         "time_s": stand.time_s, "latitude": stand.latitude, "longitude": stand.longitude, "altitude_m": stand.altitude_m,
         "heading": stand.heading, "pitch": stand.pitch, "fov": stand.fov,
         "settle_ms": c.settle_ms, "cut_ms": c.cut_ms, "tables_ms": c.tables_ms, "record_ms": c.record_ms,
-        "stages_gpu_ms": stages, "gpu_wall_ms": c.gpu_wall_ms, "frame_ms": c.frame_ms,
+        "stages_gpu_ms": stage_times(&c.stages_ms), "gpu_wall_ms": c.gpu_wall_ms, "frame_ms": c.frame_ms,
         "triangles": c.triangles, "awake_vertices": c.awake, "prefix_vertices": c.prefix_vertices,
         "candidate_triangles": c.candidate_triangles, "patches": c.patches, "resident_patches": c.resident,
     })

@@ -10,7 +10,7 @@ use anyhow::{ensure, Context as _};
 use fit::{fit, Fit};
 use serde_json::json;
 use std::path::PathBuf;
-use terrane::frame::{MESH_STAGES, STAGES};
+use terrane::frame::Stage;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
@@ -56,8 +56,8 @@ struct Point {
     tolerance: f64,
     /// Counts, and the least of each time.
     cost: FrameCost,
-    /// Milliseconds of the mesh stages.
-    stages: [f64; MESH_STAGES],
+    /// Milliseconds of each of [`Stage::MESH`].
+    stages: [f64; Stage::MESH.len()],
 }
 
 impl Point {
@@ -117,11 +117,11 @@ impl Run for Growth {
 
 /// The least times of some frames of one tolerance.
 fn point(tolerance: f64, costs: &[FrameCost]) -> anyhow::Result<Point> {
-    let mut stages = [f64::INFINITY; MESH_STAGES];
+    let mut stages = [f64::INFINITY; Stage::MESH.len()];
     let mut cost = *costs.first().context("no frames")?;
     for frame in costs {
-        for (least, ms) in stages.iter_mut().zip(frame.stages_ms) {
-            *least = least.min(ms.context("this GPU measures no times")?);
+        for (least, stage) in stages.iter_mut().zip(Stage::MESH) {
+            *least = least.min(frame.stages_ms[stage].context("this GPU measures no times")?);
         }
         cost.frame_ms = cost.frame_ms.min(frame.frame_ms);
     }
@@ -129,7 +129,7 @@ fn point(tolerance: f64, costs: &[FrameCost]) -> anyhow::Result<Point> {
 }
 
 fn print(points: &[Point], fit: &Fit) {
-    let [a, b, c] = [0, 1, 2].map(|k| format!("{} ms", STAGES[k]));
+    let [a, b, c] = Stage::MESH.map(|stage| format!("{} ms", stage.name()));
     println!(
         "{:>9} {:>10} {:>10} {:>11} {:>10} {a:>10} {b:>10} {c:>10} {:>9}",
         "error px", "awake", "prefix", "candidates", "drawn", "ns/awake"
@@ -154,11 +154,15 @@ fn print(points: &[Point], fit: &Fit) {
 
 fn summary(points: &[Point], fit: &Fit, device: &str) -> serde_json::Value {
     let row = |p: &Point| {
-        json!({
+        let mut row = json!({
             "tolerance_px": p.tolerance, "awake_vertices": p.cost.awake, "prefix_vertices": p.cost.prefix_vertices,
             "candidate_triangles": p.cost.candidate_triangles, "triangles": p.cost.triangles,
-            "select_ms": p.stages[0], "resolve_ms": p.stages[1], "emit_ms": p.stages[2], "frame_ms": p.cost.frame_ms,
-        })
+            "frame_ms": p.cost.frame_ms,
+        });
+        for (stage, ms) in Stage::MESH.iter().zip(p.stages) {
+            row[format!("{}_ms", stage.name())] = json!(ms);
+        }
+        row
     };
     json!({
         "device": device, "rows": points.iter().map(row).collect::<Vec<_>>(), "factor": fit.factor,

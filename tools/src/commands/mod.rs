@@ -19,6 +19,7 @@ mod radiance;
 mod record;
 mod shot;
 mod simplify;
+mod stage_times;
 mod still;
 mod study;
 mod verify;

@@ -2,6 +2,7 @@
 
 use super::building::Report;
 use super::radiance::{write_exr, Taken};
+use super::stage_times::stage_times;
 use super::still::{format_of, StillArguments};
 use super::viewing::{CameraOptions, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
@@ -10,7 +11,7 @@ use anyhow::Context as _;
 use serde_json::json;
 use std::path::PathBuf;
 use std::time::Instant;
-use terrane::frame::STAGES;
+use terrane::frame::PerStage;
 use terrane::scene::Scene;
 use terrane::stills::{PixelFormat, Still, Studio};
 use terrane::vulkan::GpuInfo;
@@ -103,8 +104,6 @@ impl Shot {
 
     fn summary(&self, still: &Still, gpu: &GpuInfo, frame_ms: f64, ready_ms: f64, scene: &Scene) -> serde_json::Value {
         let report = &still.report;
-        let stages: serde_json::Map<_, _> =
-            STAGES.iter().filter_map(|stage| Some(((*stage).to_owned(), json!(report.times.ms(stage)?)))).collect();
         json!({
             "picture": self.out, "size": still.size, "tiles": still.tiles, "ssaa": self.still.ssaa, "exposure": still.exposure,
             "device": gpu.name, "driver": gpu.driver, "driver_info": gpu.driver_info,
@@ -114,7 +113,7 @@ impl Shot {
             "patches_read": scene.tally().read, "patches_built": scene.tally().built, "build_s": scene.tally().build_s,
             "resident_patches": scene.resident_count(), "patch_bytes_on_gpu": scene.gpu_bytes().0,
             "patch_bytes_on_host": scene.host_bytes().0, "settled": scene.is_settled(),
-            "stages_gpu_ms": stages, "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,
+            "stages_gpu_ms": stage_times(&PerStage::gpu_ms(&report.times)), "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,
         })
     }
 }

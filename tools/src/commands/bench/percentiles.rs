@@ -1,7 +1,7 @@
 //! Percentiles of what the frames of a path cost.
 
 use hdrhistogram::Histogram;
-use terrane::frame::STAGES;
+use terrane::frame::Stage;
 use terrane::measure::FrameCost;
 
 /// A quantity of a frame; `None` where a frame lacks it.
@@ -32,10 +32,10 @@ fn quantities() -> Vec<Quantity> {
         digits,
         value: Box::new(move |c| Some(value(c))),
     };
-    let stage = |(k, name): (usize, &&str)| Quantity {
-        name: format!("gpu {name} ms"),
+    let stage = |stage: Stage| Quantity {
+        name: format!("gpu {} ms", stage.name()),
         digits: 3,
-        value: Box::new(move |c| c.stages_ms[k]),
+        value: Box::new(move |c| c.stages_ms[stage]),
     };
     let share = |c: &FrameCost| Some(100.0 * c.mesh_ms()? / c.frame_ms);
     let mut all = vec![
@@ -43,7 +43,7 @@ fn quantities() -> Vec<Quantity> {
         sure("cpu tables ms", 3, |c| c.tables_ms),
         sure("cpu record ms", 3, |c| c.record_ms),
     ];
-    all.extend(STAGES.iter().enumerate().map(stage));
+    all.extend(Stage::ALL.map(stage));
     all.extend([
         sure("gpu wall ms", 3, |c| c.gpu_wall_ms),
         sure("frame ms", 3, |c| c.frame_ms),

@@ -3,7 +3,7 @@
 use super::fit::Fit;
 use super::Point;
 use crate::svg::{self, dot, label, logarithmic, polyline, rule, title};
-use terrane::frame::STAGES;
+use terrane::frame::Stage;
 
 const SIZE: [f64; 2] = [720.0, 480.0];
 
@@ -35,7 +35,7 @@ pub(super) fn draw(points: &[Point], fit: &Fit) -> String {
     rule(&mut svg, [left, top], [left, bottom], "#444");
     label(&mut svg, [(left + right) / 2.0, bottom + 38.0], "middle", "awake vertices");
     label(&mut svg, [left - 7.0, top - 8.0], "end", "ms");
-    let names = STAGES.iter().copied().take(3).chain(["together"]);
+    let names = Stage::MESH.iter().map(|stage| stage.name()).chain(["together"]);
     for (k, (name, color)) in names.zip(COLORS).enumerate() {
         let ms = |p: &Point| p.stages.get(k).copied().unwrap_or_else(|| p.mesh_ms());
         let line: Vec<[f64; 2]> = points.iter().map(|p| place([p.awake(), ms(p)])).collect();
