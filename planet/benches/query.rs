@@ -38,7 +38,7 @@ fn queries(c: &mut Criterion) {
     let mut aside = |metres: f64| DVec3::from_array(std::array::from_fn(|_| random.range(-metres, metres))) / radius;
     let near: Vec<DVec3> = (0..QUERIES).map(|_| (place + aside(40.0)).normalize()).collect();
     let anywhere: Vec<DVec3> = (0..QUERIES).map(|_| (aside(radius)).normalize()).collect();
-    let eye = place * (radius + planet.terrain.height(place) + 50.0);
+    let eye = planet.position_above(place, 50.0);
     let sights: Vec<DVec3> = (0..QUERIES).map(|_| (aside(radius) - 0.5 * place).normalize()).collect();
 
     let mut group = c.benchmark_group("ground");

@@ -43,7 +43,7 @@ impl Tiny {
     /// A view over the finest patches, towards the horizon.
     fn view(&self, altitude: f64) -> View {
         let place = direction_at(20.0, 30.0);
-        let position = place * (self.planet.recipe.radius + self.planet.terrain.height(place) + altitude);
+        let position = self.planet.position_above(place, altitude);
         let camera = Camera::looking(position, 40.0, -25.0, 0.9, [640, 360]);
         View::new(camera, &self.planet.lattice, self.planet.cells, 1.0).without_geomorphs()
     }

@@ -50,8 +50,8 @@ impl FlyCamera {
 #[cfg(test)]
 mod tests {
     use super::super::pose::tests::{pose, Ball};
-    use super::super::pose::LEAST_HEIGHT;
     use super::*;
+    use terrane_planet::planet::CLEARANCE_M;
 
     fn flown(steps: usize, wish: DVec3) -> Pose {
         let mut viewer = pose(5000.0, 30.0, -10.0);
@@ -74,9 +74,9 @@ mod tests {
         let mut camera = FlyCamera::default();
         for _ in 0..100 {
             camera.step(&mut viewer, DVec3::Z, true, 0.2, &Ball);
-            assert!(viewer.height(&Ball) >= LEAST_HEIGHT - 1e-6);
+            assert!(viewer.height(&Ball) >= CLEARANCE_M - 1e-6);
         }
-        assert!((viewer.height(&Ball) - LEAST_HEIGHT).abs() < 1e-6);
+        assert!((viewer.height(&Ball) - CLEARANCE_M).abs() < 1e-6);
     }
 
     #[test]

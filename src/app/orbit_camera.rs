@@ -119,6 +119,7 @@ fn resting_pitch(height: f64, radius: f64) -> f64 {
 mod tests {
     use super::super::pose::tests::{pose, Ball, LENS, RADIUS};
     use super::*;
+    use terrane_planet::planet::CLEARANCE_M;
 
     #[test]
     fn dragged_ground_stays_under_the_cursor() {
@@ -155,7 +156,7 @@ mod tests {
         let mut camera = OrbitCamera::default();
         camera.wheel(300.0);
         (0..600).for_each(|_| camera.step(&mut viewer, &LENS, [410.0, 290.0], 0.05, &Ball));
-        assert!((viewer.height(&Ball) - 2.0).abs() < 1e-6, "{}", viewer.height(&Ball));
+        assert!((viewer.height(&Ball) - CLEARANCE_M).abs() < 1e-6, "{}", viewer.height(&Ball));
         assert!((-20.0..-10.0).contains(&viewer.pitch.to_degrees()), "{}", viewer.pitch.to_degrees());
     }
 }

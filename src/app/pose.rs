@@ -7,9 +7,7 @@ use super::surface::Surface;
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
 use terrane_planet::draw::view::Camera;
-
-/// Height in metres above ground and sea that the viewer never sinks below.
-pub(super) const LEAST_HEIGHT: f64 = 2.0;
+use terrane_planet::planet::CLEARANCE_M;
 
 /// Metres by which a height that was set may come back lower.
 const ROUNDING: f64 = 1e-6;
@@ -91,17 +89,17 @@ impl Pose {
         *self = self.levelled();
     }
 
-    /// Moves straight up or down to a height above the surface, no lower than [`LEAST_HEIGHT`].
+    /// Moves straight up or down to a height above the surface, no lower than [`CLEARANCE_M`].
     pub(super) fn set_height(&mut self, height: f64, surface: &dyn Surface) {
         let up = self.up();
-        self.position = up * (surface.radius(up) + height.max(LEAST_HEIGHT));
+        self.position = up * (surface.radius(up) + height.max(CLEARANCE_M));
     }
 
     /// Lifts the viewer out of the ground. Returns whether that was needed.
     pub(super) fn keep_above(&mut self, surface: &dyn Surface) -> bool {
-        let below = self.height(surface) < LEAST_HEIGHT - ROUNDING;
+        let below = self.height(surface) < CLEARANCE_M - ROUNDING;
         if below {
-            self.set_height(LEAST_HEIGHT, surface);
+            self.set_height(CLEARANCE_M, surface);
         }
         below
     }

@@ -17,14 +17,12 @@ pub(super) trait Surface {
 /// The drawn ground of a planet, and its sea.
 pub(super) struct DrawnSurface<'a> {
     ground: &'a DrawnGround,
-    radius: f64,
-    /// Distance of the sea's surface from the planet's centre.
-    sea: Option<f64>,
+    recipe: &'a Recipe,
 }
 
 impl<'a> DrawnSurface<'a> {
-    pub(super) fn new(ground: &'a DrawnGround, recipe: &Recipe) -> DrawnSurface<'a> {
-        DrawnSurface { ground, radius: recipe.radius, sea: recipe.sea.as_ref().map(|sea| recipe.radius + sea.level_m) }
+    pub(super) fn new(ground: &'a DrawnGround, recipe: &'a Recipe) -> DrawnSurface<'a> {
+        DrawnSurface { ground, recipe }
     }
 
     pub(super) fn of_scene(scene: &'a Scene) -> DrawnSurface<'a> {
@@ -34,14 +32,14 @@ impl<'a> DrawnSurface<'a> {
 
 impl Surface for DrawnSurface<'_> {
     fn radius(&self, direction: DVec3) -> f64 {
-        let ground = self.radius + self.ground.height_at(direction).unwrap_or(0.0);
-        self.sea.map_or(ground, |sea| ground.max(sea))
+        self.recipe.radius + self.recipe.ground_or_sea(self.ground.height_at(direction).unwrap_or(0.0))
     }
 
     fn meet(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
         let ground = self.ground.known.raycast(origin, direction).map(|hit| hit.position);
         let dives = |&sea: &f64| origin.cross(direction).length() < sea;
-        let sea = self.sea.filter(dives).and_then(|sea| meet_sphere(origin, direction, sea).map(|towards| towards * sea));
+        let sea = self.recipe.sea.as_ref().map(|sea| self.recipe.radius + sea.level_m);
+        let sea = sea.filter(dives).and_then(|sea| meet_sphere(origin, direction, sea).map(|towards| towards * sea));
         ground.into_iter().chain(sea).min_by(|a, b| a.distance_squared(origin).total_cmp(&b.distance_squared(origin)))
     }
 }
@@ -49,7 +47,7 @@ impl Surface for DrawnSurface<'_> {
 #[cfg(test)]
 mod tests {
     use super::super::fly_camera::FlyCamera;
-    use super::super::pose::{Pose, LEAST_HEIGHT};
+    use super::super::pose::Pose;
     use super::*;
     use std::path::Path;
     use std::sync::{Arc, RwLock};
@@ -58,12 +56,12 @@ mod tests {
     use terrane_planet::draw::view::Camera;
     use terrane_planet::globe::patch::PatchId;
     use terrane_planet::globe::sphere::direction_at;
-    use terrane_planet::planet::Planet;
+    use terrane_planet::planet::{Planet, CLEARANCE_M};
     use terrane_planet::query::{KnownGround, Refiner};
     use terrane_planet::recipe::Sea;
 
     /// Some decimetres of air about the viewer's eye.
-    const CLEARANCE: f64 = 0.3;
+    const LEAST_AIR: f64 = 0.3;
 
     /// A planet without sea.
     fn dry_planet() -> Planet {
@@ -135,7 +133,7 @@ mod tests {
         let (mut risen, mut nearest, start) = (0.0f64, f64::MAX, pose.position.length());
         for _ in 0..400 {
             camera.step(&mut pose, DVec3::Z, true, 0.03, &surface);
-            assert!(pose.height(&surface) >= LEAST_HEIGHT - 1e-6, "{} m", pose.height(&surface));
+            assert!(pose.height(&surface) >= CLEARANCE_M - 1e-6, "{} m", pose.height(&surface));
             nearest = nearest.min(clearance(&ground.known, pose.position));
             risen = risen.max(pose.position.length() - start);
             if pose.position.dot(towards) > top.dot(towards) * planet.recipe.radius {
@@ -143,7 +141,7 @@ mod tests {
             }
         }
         assert!(risen > 50.0, "the slope is only {risen} m high");
-        assert!((CLEARANCE..LEAST_HEIGHT * 1.01).contains(&nearest), "{nearest} m from the ground");
+        assert!((LEAST_AIR..CLEARANCE_M * 1.01).contains(&nearest), "{nearest} m from the ground");
     }
 
     #[test]
@@ -165,10 +163,10 @@ mod tests {
         ground.follow(&Cut { leaves: vec![drawn], ..Cut::default() });
         assert_eq!(ground.height_at(place), Some(high));
         let surface = DrawnSurface::new(&ground, &planet.recipe);
-        let position = place * (planet.recipe.radius + low + LEAST_HEIGHT);
+        let position = place * (planet.recipe.radius + low + CLEARANCE_M);
         let mut pose = Pose::of_camera(&Camera::looking(position, 0.0, 0.0, 1.0, [64, 64]));
         assert!(pose.keep_above(&surface) && !pose.keep_above(&surface));
-        assert!((pose.position.length() - planet.recipe.radius - high - LEAST_HEIGHT).abs() < 1e-6);
+        assert!((pose.position.length() - planet.recipe.radius - high - CLEARANCE_M).abs() < 1e-6);
     }
 
     #[test]

@@ -16,10 +16,8 @@ use terrane_planet::draw::cut::Cut;
 use terrane_planet::draw::layout::PatchVertex;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::patch::PatchId;
+use terrane_planet::planet::CLEARANCE_M;
 use terrane_planet::verify::SurfaceCheck;
-
-/// Metres that the camera keeps above drawn ground that is higher than the path.
-const CLEARANCE: f64 = 1.5;
 
 /// Pixels between the lines of sight that look for missing ground.
 const SIGHT_STEP: usize = 4;
@@ -43,7 +41,7 @@ pub struct LiveFrame {
     pub gpu_bytes: u64,
     /// Bytes of everything on the GPU.
     pub allocated_bytes: u64,
-    /// Metres by which the camera was lifted out of drawn ground.
+    /// Metres by which the camera was lifted above drawn ground and sea.
     pub lifted_m: f64,
     /// Whether nothing was missing.
     pub settled: bool,
@@ -90,7 +88,8 @@ impl<'a> LiveFlight<'a> {
         self.scene
     }
 
-    /// Draws the next frame of what `view` makes of a camera. The camera is lifted out of drawn ground that is higher.
+    /// Draws the next frame of what `view` makes of a camera. The camera is lifted to [`CLEARANCE_M`] above drawn ground
+    /// and sea.
     ///
     /// # Errors
     /// If a patch cannot be read, or the GPU fails.
@@ -163,11 +162,12 @@ impl<'a> LiveFlight<'a> {
     }
 }
 
-/// The camera, above the ground that is drawn below it.
+/// The camera, above the ground that is drawn below it and above the sea.
 fn lifted(scene: &Scene, camera: Camera) -> Camera {
-    let up = camera.position.normalize();
-    let ground = scene.ground().height_at(up).unwrap_or(f64::NEG_INFINITY) + scene.planet().recipe.radius + CLEARANCE;
-    let position = if camera.position.length() < ground { up * ground } else { camera.position };
+    let (up, recipe) = (camera.position.normalize(), &scene.planet().recipe);
+    let surface = recipe.ground_or_sea(scene.ground().height_at(up).unwrap_or(f64::NEG_INFINITY));
+    let lowest = surface + recipe.radius + CLEARANCE_M;
+    let position = if camera.position.length() < lowest { up * lowest } else { camera.position };
     Camera { position, ..camera }
 }
 

@@ -78,8 +78,7 @@ impl Studio {
     fn show(&mut self, (altitude, pitch, fov, [azimuth, elevation]): Viewpoint, scale: f64) -> Picture {
         let planet = self.scene.planet();
         let place = direction_at(36.62, 106.05);
-        let ground = planet.terrain.height(place).max(0.0);
-        let position = place * (planet.recipe.radius + ground + (altitude * scale).max(2.0));
+        let position = planet.position_above(place, (altitude * scale).max(2.0));
         let camera = Camera::looking(position, 45.0, pitch, fov.to_radians(), SIZE);
         let view = View::new(camera, self.scene.lattice(), planet.cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();

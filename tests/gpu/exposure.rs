@@ -19,7 +19,7 @@ fn show(context: &Arc<Context>, heading: f64, pitch: f64, elevation: f64, meteri
     let mut headless = Headless::new(context, (SIZE[0], SIZE[1])).unwrap();
     let place = DVec3::ONE.normalize();
     let planet = scene.planet();
-    let position = place * (planet.recipe.radius + planet.terrain.height(place).max(0.0) + 60.0);
+    let position = planet.position_above(place, 60.0);
     let camera = Camera::looking(position, heading, pitch, 0.9, SIZE);
     let view = View::new(camera, scene.lattice(), planet.cells, 1.0);
     let cut = scene.settle(&view).unwrap();

@@ -52,8 +52,8 @@ impl Studio {
     fn above(&self, place: DVec3, metres: f64, pitch: f64, fov: f64) -> Camera {
         // Above the ground that is known so far, and above that of finer patches.
         let known = self.scene.ground().height_at(place).unwrap();
-        let ground = known.max(self.scene.planet().terrain.height(place)).max(0.0);
-        Camera::looking(place * (self.radius() + ground + metres), 30.0, pitch, fov, SIZE)
+        let surface = known.max(self.scene.planet().surface_height(place));
+        Camera::looking(place * (self.radius() + surface + metres), 30.0, pitch, fov, SIZE)
     }
 
     fn highest_place(&self) -> DVec3 {

@@ -34,7 +34,7 @@ impl Viewpoint {
     fn view(&self, scene: &Scene) -> View {
         let planet = scene.planet();
         let place = self.over.normalize();
-        let position = place * (planet.recipe.radius + planet.terrain.height(place) + self.altitude);
+        let position = planet.position_above(place, self.altitude);
         View::new(Camera::looking(position, self.heading, -25.0, self.fov, SIZE), &planet.lattice, planet.cells, self.tolerance)
     }
 }

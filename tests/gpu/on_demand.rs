@@ -46,8 +46,7 @@ fn building(planet: &Planet, cache: Option<u64>) -> SceneOptions {
 
 fn views(planet: &Planet) -> Vec<View> {
     let over = |direction: DVec3, altitude: f64, pitch: f64| {
-        let place = direction.normalize();
-        let position = place * (planet.recipe.radius + planet.terrain.height(place) + altitude);
+        let position = planet.position_above(direction.normalize(), altitude);
         View::new(Camera::looking(position, 30.0, pitch, 0.9, [640, 360]), &planet.lattice, planet.cells, 1.0)
     };
     vec![over(DVec3::X, 60_000.0, -90.0), over(DVec3::ONE, 800.0, -10.0), over(DVec3::new(-1.0, 0.3, 0.2), 2000.0, -30.0)]

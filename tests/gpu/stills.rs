@@ -30,7 +30,7 @@ impl Set {
         let mut scene = Scene::open(context, planet_file(), SceneOptions::default()).unwrap();
         let planet = scene.planet();
         let place = highest(planet);
-        let position = place * (planet.recipe.radius + planet.terrain.height(place).max(0.0) + altitude);
+        let position = planet.position_above(place, altitude);
         let view = View::new(Camera::looking(position, 20.0, pitch, 0.9, SIZE), scene.lattice(), planet.cells, 1.0);
         let look =
             Look { mode: Mode::Shaded, sun: sun_over(place, 120.0, 30.0), exposure: DAYLIGHT, metering: None, clouds: true };

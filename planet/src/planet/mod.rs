@@ -1,7 +1,10 @@
 //! A planet: recipe, terrain, lattice and grid together, from which every patch follows.
 
 pub mod bake;
+mod camera;
 pub mod edits;
+
+pub use camera::CLEARANCE_M;
 
 use crate::draw::tree::{PatchFacts, PatchTree};
 use crate::globe::lattice::Lattice;

@@ -176,6 +176,11 @@ impl Recipe {
         before.map(|text| Self::from_parts(text, &self.file, self.assets.clone())).transpose()
     }
 
+    /// Metres above the datum of what lies uppermost where the ground is `ground_m` metres above it: the ground, or the sea that covers it.
+    pub fn ground_or_sea(&self, ground_m: f64) -> f64 {
+        self.sea.as_ref().map_or(ground_m, |sea| ground_m.max(sea.level_m))
+    }
+
     fn heightmaps(&self) -> Vec<Heightmap> {
         let maps = self.layers.iter().filter_map(|l| if let Layer::Heightmap(m) = l { Some(m.clone()) } else { None });
         maps.collect()

@@ -6,7 +6,7 @@ mod savings;
 
 use super::paths::load_path;
 use super::stage_times::stage_times;
-use super::viewing::{camera_over, picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
@@ -144,7 +144,7 @@ impl Bench {
         change: savings::Change,
     ) -> anyhow::Result<FrameCost> {
         let planet = scene.planet();
-        let camera = camera_over(planet, stand, self.size);
+        let camera = planet.camera_at(stand, self.size);
         let view = change(self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), planet), planet);
         Ok(measure_frame(scene, headless, &view, look)?)
     }

@@ -1,7 +1,7 @@
 //! `terrane compare`: triangles at equal measured screen error, ours and those of classic methods.
 
 use super::paths::load_path;
-use super::viewing::{camera_over, picture_size};
+use super::viewing::picture_size;
 use super::{pictures, Run};
 use crate::compare::{best, count_probes, stands, Effort, Equal, Measured, Setting, Stand, FAMILIES};
 use crate::Outcome;
@@ -90,7 +90,7 @@ impl Compare {
         let path = load_path(path)?;
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
-        Ok((0..self.frames).map(|k| camera_over(planet, &path.at(first + step * f64::from(k)), self.size)).collect())
+        Ok((0..self.frames).map(|k| planet.camera_at(&path.at(first + step * f64::from(k)), self.size)).collect())
     }
 
     /// One family after the other, so that only one keeps what it makes of patches.

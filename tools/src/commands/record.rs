@@ -4,7 +4,7 @@ use super::building::{stop_on_signals, Report};
 use super::film::{container, Film};
 use super::paths::load_path;
 use super::still::StillArguments;
-use super::viewing::{camera_over, picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, ensure, Context as _};
@@ -102,7 +102,7 @@ impl Run for Record {
             } else {
                 let stand = path.at(first + (number - 1) as f64 / self.fps);
                 let planet = scene.planet();
-                let camera = camera_over(planet, &stand, self.size);
+                let camera = planet.camera_at(&stand, self.size);
                 let view = self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), planet);
                 let cut = scene.settle(&view)?;
                 film.add(number, &studio.draw(&scene, &view, &cut, &look, &|_, _| ())?)?;

@@ -123,17 +123,8 @@ impl CameraOptions {
         let [heading, pitch] = self.look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude, self.fov)]);
         ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
         let stand = Keyframe { time_s: 0.0, latitude, longitude, altitude_m: altitude, heading, pitch, fov: self.fov };
-        Ok(camera_over(planet, &stand, self.size))
+        Ok(planet.camera_at(&stand, self.size))
     }
-}
-
-/// The camera at a keyframe over a planet: altitudes count from the ground or the sea there, whichever is higher.
-pub(crate) fn camera_over(planet: &Planet, stand: &Keyframe, size: [u32; 2]) -> Camera {
-    let place = direction_at(stand.latitude, stand.longitude);
-    let ground = planet.terrain.height(place);
-    let surface = planet.recipe.sea.as_ref().map_or(ground, |sea| ground.max(sea.level_m));
-    let position = place * (planet.recipe.radius + surface + stand.altitude_m);
-    Camera::looking(position, stand.heading, stand.pitch, stand.fov.to_radians(), size)
 }
 
 /// Pitch that puts the horizon into the upper third of the picture; straight down where the whole planet fits into it.

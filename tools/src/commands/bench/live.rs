@@ -1,6 +1,6 @@
 //! `bench --live`: a flight along the path that waits for nothing, and what arrived meanwhile.
 
-use super::{camera_over, Bench};
+use super::Bench;
 use anyhow::{bail, Context as _};
 use hdrhistogram::Histogram;
 use serde_json::{json, Value};
@@ -52,7 +52,7 @@ impl Bench {
         let mut flight = LiveFlight::new(context, scene, headless, step);
         for number in 0..self.frames as usize + MOST_FRAMES_AT_END {
             let stand = path.at((first + step * number as f64).min(last));
-            let (frame, seen, cut) = flight.frame(camera_over(&planet, &stand, self.size), &view, &look)?;
+            let (frame, seen, cut) = flight.frame(planet.camera_at(&stand, self.size), &view, &look)?;
             host = host.max(flight.scene().host_bytes().0);
             let check = Instant::now();
             let faults = if self.check { flight.faults(&seen, &cut, &look)? } else { LiveFaults::default() };

@@ -1,0 +1,110 @@
+//! Where cameras stand over a planet. In: a place and metres above what lies uppermost there, ground or sea. Out: positions and cameras in
+//! planet-fixed metres.
+
+use super::Planet;
+use crate::draw::camera_path::Keyframe;
+use crate::draw::view::Camera;
+use crate::globe::sphere::direction_at;
+use glam::DVec3;
+
+/// Metres above ground or sea that a camera keeps as it moves over what is drawn, which may be higher than the terrain for a while. A
+/// camera that is lower is lifted. Keyframes may ask for less: [`Planet::camera_at`] takes them at their word.
+pub const CLEARANCE_M: f64 = 1.5;
+
+impl Planet {
+    /// Metres above the datum of what lies uppermost in a unit direction: the ground, or the sea where it covers the ground.
+    pub fn surface_height(&self, direction: DVec3) -> f64 {
+        self.recipe.ground_or_sea(self.terrain.height(direction))
+    }
+
+    /// The place `altitude_m` metres above ground or sea in a unit direction, in metres from the planet's centre.
+    pub fn position_above(&self, direction: DVec3, altitude_m: f64) -> DVec3 {
+        direction * (self.recipe.radius + self.surface_height(direction) + altitude_m)
+    }
+
+    /// The camera of a keyframe, for a picture of a size in pixels. Nothing is range-checked:
+    /// [`crate::draw::camera_path::CameraPath::new`] says which keyframes make sense.
+    pub fn camera_at(&self, keyframe: &Keyframe, size: [u32; 2]) -> Camera {
+        let position = self.position_above(direction_at(keyframe.latitude, keyframe.longitude), keyframe.altitude_m);
+        Camera::looking(position, keyframe.heading, keyframe.pitch, keyframe.fov.to_radians(), size)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::globe::sphere::place_of;
+    use crate::recipe::Recipe;
+    use std::path::Path;
+
+    fn planet() -> Planet {
+        let recipe = Recipe::from_toml(include_str!("../../recipes/tiny.toml"), "tiny", Path::new("")).unwrap();
+        Planet::from_recipe(recipe, 16).unwrap()
+    }
+
+    /// The deepest and the highest, of many places: latitude and longitude.
+    fn sea_and_land(planet: &Planet) -> [[f64; 2]; 2] {
+        let places = || (0..600).map(|k| [f64::from(k % 30) * 5.0 - 72.0, f64::from(k / 30) * 18.0 - 180.0]);
+        let height = |place: &[f64; 2]| planet.terrain.height(direction_at(place[0], place[1]));
+        let higher = |a: &[f64; 2], b: &[f64; 2]| height(a).total_cmp(&height(b));
+        [places().min_by(higher).unwrap(), places().max_by(higher).unwrap()]
+    }
+
+    #[test]
+    fn the_surface_is_the_ground_on_land_and_the_sea_elsewhere() {
+        let mut planet = planet();
+        let level = planet.recipe.sea.as_ref().unwrap().level_m;
+        let [sea, land] = sea_and_land(&planet).map(|[latitude, longitude]| direction_at(latitude, longitude));
+        let [bed, ground] = [sea, land].map(|place| planet.terrain.height(place));
+        assert!(bed < level - 10.0 && ground > level + 10.0, "{bed} m and {ground} m tell nothing");
+        assert_eq!([sea, land].map(|place| planet.surface_height(place)), [level, ground]);
+        // Without its sea the planet is ground everywhere.
+        planet.recipe.sea = None;
+        assert_eq!([sea, land].map(|place| planet.surface_height(place)), [bed, ground]);
+    }
+
+    /// The keyframe of a camera, altitudes counted from a height in metres above the datum.
+    fn keyframe_of(planet: &Planet, camera: &Camera, surface: f64) -> Keyframe {
+        let up = camera.position.normalize();
+        let east = DVec3::Z.cross(up).normalize();
+        let (latitude, longitude) = place_of(up);
+        Keyframe {
+            time_s: 0.0,
+            latitude,
+            longitude,
+            altitude_m: camera.position.length() - planet.recipe.radius - surface,
+            heading: camera.forward.dot(east).atan2(camera.forward.dot(up.cross(east))).to_degrees(),
+            pitch: camera.forward.dot(up).asin().to_degrees(),
+            fov: camera.fov.to_degrees(),
+        }
+    }
+
+    fn differs(a: &Keyframe, b: &Keyframe) -> bool {
+        let numbers = |k: &Keyframe| [k.latitude, k.longitude, k.altitude_m, k.heading, k.pitch, k.fov];
+        numbers(a).iter().zip(numbers(b)).any(|(a, b)| (a - b).abs() > 1e-6)
+    }
+
+    #[test]
+    fn a_camera_stands_where_its_keyframe_says() {
+        let planet = planet();
+        for [latitude, longitude] in sea_and_land(&planet) {
+            for altitude_m in [0.5, CLEARANCE_M, 3000.0] {
+                let wanted = Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading: 110.0, pitch: -12.0, fov: 50.0 };
+                let camera = planet.camera_at(&wanted, [640, 360]);
+                let place = direction_at(latitude, longitude);
+                let found = keyframe_of(&planet, &camera, planet.surface_height(place));
+                assert!(camera.size == [640, 360] && !differs(&wanted, &found), "{wanted:?} became {found:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn altitudes_from_the_bed_of_the_sea_are_noticed() {
+        let planet = planet();
+        let [[latitude, longitude], _] = sea_and_land(&planet);
+        let wanted = Keyframe { time_s: 0.0, latitude, longitude, altitude_m: 2.0, heading: 110.0, pitch: -12.0, fov: 50.0 };
+        let camera = planet.camera_at(&wanted, [640, 360]);
+        let bed = planet.terrain.height(direction_at(latitude, longitude));
+        assert!(differs(&wanted, &keyframe_of(&planet, &camera, bed)));
+    }
+}
