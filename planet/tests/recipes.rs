@@ -48,6 +48,26 @@ fn shipped_recipes_parse() {
 }
 
 #[test]
+fn every_recipe_of_the_folder_is_shipped_under_its_name() {
+    let files = std::fs::read_dir(shipped("")).unwrap().map(|entry| entry.unwrap().path());
+    let mut in_folder: Vec<String> = files
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .map(|path| path.file_stem().unwrap().to_str().unwrap().to_owned())
+        .collect();
+    let mut names: Vec<&str> = terrane_planet::recipe::shipped::names().collect();
+    in_folder.sort_unstable();
+    names.sort_unstable();
+    assert_eq!(names, in_folder);
+    for name in names {
+        let (found, file) =
+            (terrane_planet::recipe::shipped::load(name).unwrap(), Recipe::load(&shipped(&format!("{name}.toml"))).unwrap());
+        assert!(found.text == file.text && found.assets == file.assets, "{name} differs from its file");
+    }
+    let message = terrane_planet::recipe::shipped::load("terra.toml").unwrap_err().to_string();
+    assert!(message.contains("terra.toml") && message.contains("terra, luna, mars"), "{message}");
+}
+
+#[test]
 fn a_minimal_recipe_is_read() {
     let recipe = parse(&with_layer("kind = \"plains\"\nwavelength_m = 50\ngain = 0.5\namplitude_m = 3")).unwrap();
     assert!(matches!(&recipe.layers[0], Layer::Plains(p) if p.octaves.detail_m == 1.0));

@@ -117,6 +117,31 @@ fn info_describes_the_file() {
 }
 
 #[test]
+fn shipped_recipes_are_baked_by_name_from_any_folder() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let named = |name: &str| {
+        let out = at(&format!("{name}.planet"));
+        let mut command = terrane(&["bake", name, "--levels", "0", "--cells", "8", "--out", out.to_str().unwrap()]);
+        command.current_dir(folder.path());
+        let output = run(command);
+        assert_eq!(output.status.code(), Some(0), "{name}: {}", text(&output.stderr));
+        PlanetFile::open(&out).unwrap().header().clone()
+    };
+    for name in ["terra", "luna", "mars", "tiny", "jacksboro"] {
+        let header = named(name);
+        assert_eq!((header.name.to_lowercase(), header.assets.len()), (name.to_owned(), usize::from(name == "jacksboro")));
+    }
+    let output = run(bake(&at("of the file.planet"), &["--levels", "0", "--cells", "8"]));
+    assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+    assert!(records(&at("tiny.planet")) == records(&at("of the file.planet")), "not the bytes of the recipe's file");
+    // A file of a shipped name is that file.
+    std::fs::write(at("luna"), std::fs::read(recipe()).unwrap()).unwrap();
+    std::fs::remove_file(at("luna.planet")).unwrap();
+    assert_eq!(named("luna").name, "Tiny");
+}
+
+#[test]
 fn failures_say_what_and_where_and_exit_with_one() {
     let folder = tempfile::tempdir().unwrap();
     let at = |name: &str| folder.path().join(name);
@@ -125,6 +150,7 @@ fn failures_say_what_and_where_and_exit_with_one() {
     let level = ["--levels", "0", "--cells", "8"];
     let cases = [
         (["bake", "no-such-recipe.toml", "--out", "x.planet"], "no-such-recipe.toml"),
+        (["bake", "nosuch", "--out", "x.planet"], "no recipe nosuch (shipped recipes: terra, luna, mars, tiny, jacksboro)"),
         (["bake", "bad.toml", "--out", "x.planet"], "radius_m"),
         (["bake", "RECIPE", "--out", "no/such/folder/x.planet"], "no/such/folder/x.planet: cannot create the planet file"),
         (["bake", "RECIPE", "--out", "notes.planet"], "found a text file"),

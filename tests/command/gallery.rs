@@ -45,6 +45,14 @@ fn the_page_shows_what_was_drawn_and_the_commands_that_drew_it() {
 }
 
 #[test]
+fn the_list_of_the_documentation_comes_with_the_command() {
+    let folder = tempfile::tempdir().unwrap();
+    let output = terrane(&["gallery", "--only", "nowhere"], folder.path());
+    assert!(text(&output.stderr).contains("gallery.toml has no picture called nowhere"), "{}", text(&output.stderr));
+    assert_eq!((output.status.code(), std::fs::read_dir(folder.path()).unwrap().count()), (Some(1), 0));
+}
+
+#[test]
 fn a_list_with_a_mistake_is_refused_with_the_reason() {
     let folder = tempfile::tempdir().unwrap();
     list(folder.path(), "afar");

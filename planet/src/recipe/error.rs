@@ -12,6 +12,14 @@ pub enum RecipeError {
         /// What the system said.
         source: std::io::Error,
     },
+    /// A name that no shipped recipe has.
+    #[error("no recipe called {name} is shipped, expected one of: {names}")]
+    NotShipped {
+        /// The name asked for.
+        name: Box<str>,
+        /// Those there are, comma separated.
+        names: Box<str>,
+    },
     /// The text is not TOML.
     #[error("{file}:{line}: not valid TOML: {message}")]
     Syntax {

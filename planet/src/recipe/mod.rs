@@ -9,6 +9,7 @@ mod landform;
 mod layer;
 mod palette;
 mod reader;
+pub mod shipped;
 
 pub use atmosphere::Atmosphere;
 pub use clouds::Clouds;

@@ -1,6 +1,7 @@
 //! `terrane bake`: builds the patches of a recipe into a planet file, or what is missing of them.
 
 use super::building::{stop_on_signals, Report, Threads};
+use super::recipes::load_recipe;
 use super::Run;
 use crate::Outcome;
 use anyhow::Context;
@@ -17,7 +18,8 @@ use terrane_planet::store::{is_planet_file, PlanetFile};
 /// Build the patches of a recipe into a planet file; go on where an earlier bake stopped.
 #[derive(clap::Args)]
 pub(crate) struct Bake {
-    /// Recipe of the planet, a TOML file; or a planet file, to bake more of its planet with all edits.
+    /// Recipe of the planet: a TOML file, or `terra`, `luna`, `mars`, `jacksboro` or `tiny`, which come with the command; or a planet
+    /// file, to bake more of its planet with all edits.
     recipe: PathBuf,
     /// Planet file to make or to go on with.
     #[arg(long, short)]
@@ -68,7 +70,7 @@ fn parse_region(text: &str) -> Result<RegionArgument, String> {
 
 impl Run for Bake {
     fn run(self) -> anyhow::Result<Outcome> {
-        let planet = Planet::from_recipe(self.load_recipe()?, self.cells)?;
+        let planet = Planet::from_recipe(self.recipe()?, self.cells)?;
         let plan = BakePlan::new(planet.recipe.radius, self.levels, self.region())?;
         let mut file = PlanetFile::create_or_resume(&self.out, &planet.header())?;
         let stop = stop_on_signals()?;
@@ -82,9 +84,9 @@ impl Run for Bake {
 }
 
 impl Bake {
-    fn load_recipe(&self) -> anyhow::Result<Recipe> {
+    fn recipe(&self) -> anyhow::Result<Recipe> {
         if !is_planet_file(&self.recipe) {
-            return Ok(Recipe::load(&self.recipe)?);
+            return load_recipe(&self.recipe);
         }
         let file = PlanetFile::open(&self.recipe)?;
         let header = file.header();

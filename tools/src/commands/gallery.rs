@@ -14,6 +14,9 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
+/// The list that comes with the command, and its name in messages.
+const BUILT_IN: (&str, &str) = ("gallery.toml", include_str!("../../gallery.toml"));
+
 /// Most bytes of a picture.
 const MOST_BYTES: usize = 400_000;
 
@@ -22,13 +25,13 @@ const QUALITIES: [u8; 6] = [92, 88, 84, 78, 70, 60];
 
 /// Render the gallery: a list of pictures as JPEGs of at most 400 KB, and a page with captions and the command of each.
 ///
-/// The list is a TOML file of [[picture]] tables: `name`, `recipe` (a file), `levels` (to bake beforehand, default 1), `options` (those of
+/// The list is a TOML file of [[picture]] tables: `name`, `recipe` (as of `terrane bake`), `levels` (to bake beforehand, default 1), `options` (those of
 /// `terrane shot`) and `caption`.
 #[derive(clap::Args)]
 pub(crate) struct Gallery {
-    /// List of pictures.
-    #[arg(long, value_name = "LIST.toml", default_value = "docs/gallery/gallery.toml")]
-    list: PathBuf,
+    /// List of pictures [default: that of the documentation, which comes with the command].
+    #[arg(long, value_name = "LIST.toml")]
+    list: Option<PathBuf>,
     /// Folder for the JPEGs and the page, README.md.
     #[arg(long, value_name = "FOLDER", default_value = "docs/gallery")]
     out: PathBuf,
@@ -104,22 +107,26 @@ impl Run for Gallery {
 
 impl Gallery {
     fn load(&self) -> anyhow::Result<Vec<Entry>> {
-        let text =
-            std::fs::read_to_string(&self.list).with_context(|| format!("cannot read the list {}", self.list.display()))?;
-        let list: List = toml::from_str(&text).with_context(|| format!("{}: not a list of pictures", self.list.display()))?;
+        let (file, text) = match &self.list {
+            None => (BUILT_IN.0.to_owned(), BUILT_IN.1.to_owned()),
+            Some(path) => {
+                let text = std::fs::read_to_string(path);
+                (path.display().to_string(), text.with_context(|| format!("cannot read the list {}", path.display()))?)
+            }
+        };
+        let list: List = toml::from_str(&text).with_context(|| format!("{file}: not a list of pictures"))?;
         let mut names = HashSet::new();
         for entry in &list.picture {
             let plain = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
             ensure!(
                 !entry.name.is_empty() && entry.name.chars().all(plain),
-                "{}: '{}' is no name of a picture; use letters, digits, - and _",
-                self.list.display(),
+                "{file}: '{}' is no name of a picture; use letters, digits, - and _",
                 entry.name
             );
-            ensure!(names.insert(&entry.name), "{}: two pictures are called {}", self.list.display(), entry.name);
+            ensure!(names.insert(&entry.name), "{file}: two pictures are called {}", entry.name);
         }
         for name in &self.only {
-            ensure!(names.contains(name), "--only: {} has no picture called {name}", self.list.display());
+            ensure!(names.contains(name), "--only: {file} has no picture called {name}");
         }
         Ok(list.picture)
     }

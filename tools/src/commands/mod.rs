@@ -16,6 +16,7 @@ mod mesh;
 mod paths;
 mod pictures;
 mod radiance;
+mod recipes;
 mod record;
 mod shot;
 mod simplify;
