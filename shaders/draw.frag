@@ -57,10 +57,7 @@ Ground ground_of(PatchDraw target, float distance, float slant) {
     return own;
 }
 
-// Layers of the grain: bare ground and grass, and the crowns of trees.
-const float GROUND_LAYER = 0.0;
-const float CROWN_LAYER = 1.0;
-// Copies of each within REPEAT_M. Ground: 5 m and 0.8 m wide, finer than what the finest patches hold. Crowns: 256 m and 146 m wide,
+// Copies of each layer of the grain within REPEAT_M. Ground: 5 m and 0.8 m wide, finer than what the finest patches hold. Crowns: 256 m and 146 m wide,
 // for trees of 8 and 4.6 m; in woods they stand in for the coarser copy of the ground.
 const float GROUND_COPIES[2] = float[](211.0, 1361.0);
 const float CROWN_COPIES[2] = float[](4.0, 7.0);
@@ -145,7 +142,6 @@ void main() {
     // Light thrown back by the ground around, as bright as the ground here.
     vec3 bounce = color * (sun * max(elevation, 0.0) + sky);
     vec3 arriving = sun * facing + sky * open + bounce * (1.0 - open);
-    // Height above the sea in metres, for the ocean: the mesh may be coarser than the water is deep.
-    float shore = 2.0 * ground.shore - 1.0;
-    out_color = vec4(color / PI * arriving, sign(shore) * shore * shore * SHORE_RANGE);
+    // The height above the sea is for the ocean: the mesh may be coarser than the water is deep.
+    out_color = vec4(color / PI * arriving, decode_shore(ground.shore));
 }

@@ -17,7 +17,7 @@ layout(location = 2) flat out uint out_patch;
 invariant gl_Position;
 
 vec2 grid_place(Vertices vertices, uint v) {
-    uint grid = vertices.at[v].grid_own & 0xffffu;
+    uint grid = grid_of(vertices, v);
     uint row = view.cells + 1u;
     return vec2(grid % row, grid / row);
 }

@@ -2,12 +2,13 @@
 // Edges of the ground: from several samples of coverage and depth a pixel, one sample that the next stages go on with, and a note where
 // others show another surface. The last stage mixes such a pixel with the neighbour that shows that surface: as smooth as multisampling,
 // while sea, air and curve are computed once a pixel.
+#include "edges.glsl"
 
 layout(binding = 0) uniform sampler2DMS ground_samples;
 layout(binding = 1) uniform sampler2DMS depth_samples;
 
 layout(location = 0) out vec4 out_ground;
-// 0, or 1 + 8 * (samples of another surface, in eighths, less one) + number of the neighbour that shows it, over 255.
+// See edges.glsl.
 layout(location = 1) out float out_edge;
 
 layout(constant_id = 0) const int SAMPLES = 4;
@@ -16,8 +17,6 @@ layout(constant_id = 0) const int SAMPLES = 4;
 const float APART = 1.06;
 // Stands for the depth of the sky.
 const float NOTHING = 1e-12;
-
-const ivec2 NEIGHBOURS[8] = ivec2[](ivec2(1, 0), ivec2(-1, 0), ivec2(0, 1), ivec2(0, -1), ivec2(1, 1), ivec2(-1, 1), ivec2(1, -1), ivec2(-1, -1));
 
 float log_depth(ivec2 pixel, int k) { return log(max(texelFetch(depth_samples, pixel, k).r, NOTHING)); }
 
@@ -45,5 +44,5 @@ void main() {
             chosen = k;
         }
     }
-    if (chosen >= 0) out_edge = float(1 + 8 * (count * 8 / SAMPLES - 1) + chosen) / 255.0;
+    if (chosen >= 0) out_edge = encode_edge(count * 8 / SAMPLES, chosen);
 }

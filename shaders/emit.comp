@@ -16,9 +16,6 @@ layout(scalar, binding = 6) readonly buffer Places { DrawnVertex places[]; };
 
 layout(push_constant) uniform Push { uint task_count; };
 
-// Relative rounding error below which a triangle seen edge-on still counts as facing the eye (the twin has the same).
-const float BACK_SLACK = 1e-5;
-
 bool beyond(vec3 p, vec3 n) {
     precise float height = p.x * n.x + p.y * n.y + p.z * n.z;
     return height > 0.0;
@@ -41,7 +38,7 @@ bool is_culled(uint first, uvec3 corners) {
     vec3 b = places[first + corners.y].place;
     vec3 c = places[first + corners.z].place;
     if ((view.culling & CULL_FRUSTUM) != 0u) {
-        for (int k = 0; k < 5; ++k) {
+        for (int k = 0; k < view.planes.length(); ++k) {
             if (beyond(a, view.planes[k]) && beyond(b, view.planes[k]) && beyond(c, view.planes[k])) return true;
         }
     }
@@ -53,7 +50,7 @@ uvec3 corners_of(Triangles triangles, uint t) {
     uint word = t + t / 2u;
     uint low = triangles.at[word];
     uint high = triangles.at[word + 1u];
-    return (t & 1u) == 0u ? uvec3(low & 0xffffu, low >> 16u, high & 0xffffu) : uvec3(low >> 16u, high & 0xffffu, high >> 16u);
+    return (t & 1u) == 0u ? uvec3(low16(low), high16(low), low16(high)) : uvec3(high16(low), low16(high), high16(high));
 }
 
 void main() {

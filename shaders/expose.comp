@@ -17,8 +17,8 @@ const vec2 PERCENTILES = vec2(0.5, 0.98);
 
 void main() {
     float all = 0.0, seen = 0.0, sum = 0.0, weight = 0.0;
-    for (uint k = 1u; k < BINS; ++k) all += float(bins[k]);
-    for (uint k = 1u; k < BINS; ++k) {
+    for (uint k = 1u; k < METER_BINS; ++k) all += float(bins[k]);
+    for (uint k = 1u; k < METER_BINS; ++k) {
         float count = float(bins[k]);
         float inside = max(min(seen + count, PERCENTILES.y * all) - max(seen, PERCENTILES.x * all), 0.0);
         sum += inside * float(k);

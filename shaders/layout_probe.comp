@@ -1,5 +1,5 @@
 #version 460
-// Generated from planet/src/layout.rs: reads every member of every structure back (tests only).
+// Generated from planet/src/draw/layout/: reads every member of every structure back (tests only).
 #extension GL_EXT_scalar_block_layout : require
 #include "layout.glsl"
 

@@ -1,5 +1,5 @@
 #version 460
-// Histogram of the picture's luminance, by its logarithm: every fourth pixel of both directions is counted.
+// Histogram of the picture's luminance, by its logarithm: every METER_STRIDE-th pixel of both directions is counted.
 #extension GL_EXT_scalar_block_layout : require
 #include "metering.glsl"
 
@@ -7,19 +7,17 @@ layout(local_size_x = 16, local_size_y = 16) in;
 layout(binding = 1) uniform sampler2D scene;
 layout(scalar, binding = 2) buffer Histogram { uint bins[]; };
 
-const int STRIDE = 4;
-
-shared uint counts[BINS];
+shared uint counts[METER_BINS];
 
 void main() {
-    for (uint k = gl_LocalInvocationIndex; k < BINS; k += 256u) counts[k] = 0u;
+    for (uint k = gl_LocalInvocationIndex; k < METER_BINS; k += 256u) counts[k] = 0u;
     barrier();
-    ivec2 texel = ivec2(gl_GlobalInvocationID.xy) * STRIDE;
+    ivec2 texel = ivec2(gl_GlobalInvocationID.xy) * int(METER_STRIDE);
     if (all(lessThan(texel, textureSize(scene, 0)))) {
         atomicAdd(counts[bin_of(dot(texelFetch(scene, texel, 0).rgb, LUMINANCE))], 1u);
     }
     barrier();
-    for (uint k = gl_LocalInvocationIndex; k < BINS; k += 256u) {
+    for (uint k = gl_LocalInvocationIndex; k < METER_BINS; k += 256u) {
         if (counts[k] > 0u) atomicAdd(bins[k], counts[k]);
     }
 }

@@ -37,13 +37,8 @@ bool on_coarser_side(uint grid, uint sides) {
     uint row = view.cells + 1u;
     uint i = grid % row;
     uint j = grid / row;
-    return ((sides & 1u) != 0u && i == 0u) || ((sides & 2u) != 0u && i == view.cells)
-        || ((sides & 4u) != 0u && j == 0u) || ((sides & 8u) != 0u && j == view.cells);
-}
-
-// A wake is 6 bits of exponent and 10 of mantissa: exact in single precision.
-float wake_distance(uint code) {
-    return uintBitsToFloat(((code >> 10u) + 127u) << 23u | (code & 1023u) << 13u);
+    return ((sides & SIDE_LEFT) != 0u && i == 0u) || ((sides & SIDE_RIGHT) != 0u && i == view.cells)
+        || ((sides & SIDE_BOTTOM) != 0u && j == 0u) || ((sides & SIDE_TOP) != 0u && j == view.cells);
 }
 
 // The orientation term's part of the selection distance: planet/src/draw/orientation.rs.
@@ -59,15 +54,15 @@ float oriented_distance(vec3 p) {
 // Whether a vertex is awake, and its morph weight.
 bool is_awake(PatchVertex vertex, uint sides, out float weight) {
     weight = 0.0;
-    bool coarser = sides != 0u && on_coarser_side(vertex.grid_own & 0xffffu, sides);
-    uint code = (coarser ? vertex.parent_coarser : vertex.grid_own) >> 16u;
+    bool coarser = sides != 0u && on_coarser_side(low16(vertex.grid_own), sides);
+    uint code = high16(coarser ? vertex.parent_coarser : vertex.grid_own);
     if (code == WAKE_ALWAYS) return true;
     weight = 1.0;
-    if (code == 0u) return false;
+    if (code == WAKE_ASLEEP) return false;
     float wake = wake_distance(code);
     precise vec3 p = relative_to_camera(vertex.position);
     precise float outside = 0.0;
-    for (int k = 0; k < 5; ++k) {
+    for (int k = 0; k < view.planes.length(); ++k) {
         precise float beyond = p.x * view.planes[k].x + p.y * view.planes[k].y + p.z * view.planes[k].z;
         outside = max(outside, beyond);
     }

@@ -15,9 +15,6 @@ layout(location = 0) out vec4 out_color;
 // Largest radiance that is drawn: half floats end there.
 const float BRIGHTEST = 6e4;
 
-// Share of the sun's light that lenses and eyes spread over a steradian, times the cube of the angle (Vos 1984).
-const float GLARE = 1.7e-6;
-
 // The sun's disc, darker towards its limb and redder (Hestroffer and Magnan 1998); its edge as wide as a pixel.
 vec3 sun_disc(vec3 ray) {
     vec3 chord = ray - light.sun;
@@ -88,7 +85,7 @@ void add_clouds(vec3 ray, float end, Air air, inout vec3 color, inout float cove
 void main() {
     vec4 ground_color = texelFetch(scene, ivec2(gl_FragCoord.xy), 0);
     float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
-    if (is_diagram()) {
+    if (is_diagram(light.mode)) {
         out_color = vec4(ground_color.rgb, stored > 0.0 ? 1.0 : 0.0);
         return;
     }
@@ -104,7 +101,7 @@ void main() {
     vec3 color = empty ? sun_disc(ray) + sun_glare(ray) : ground_color.rgb;
     Air air = air_before(ray, end);
     // How much of what lies behind it is hidden, for pictures that are put before something else.
-    float cover = empty ? 1.0 - dot(air.passed, vec3(0.2126, 0.7152, 0.0722)) : 1.0;
+    float cover = empty ? 1.0 - dot(air.passed, LUMINANCE) : 1.0;
     color = color * air.passed + scattered(air);
     if (has_clouds()) add_clouds(ray, end, air, color, cover);
     out_color = vec4(min(color, BRIGHTEST), cover);

@@ -7,7 +7,6 @@
 layout(location = 0) out vec2 out_offset;
 layout(location = 1) flat out vec3 out_radiance;
 
-const float STARS = 9000.0;
 const float FAINTEST = 6.5;
 const float GROWTH = 0.51;
 // Irradiance of a star of magnitude 0. Far more than true against the sun, for pictures show a millionth of the range of the eye; so
@@ -43,9 +42,9 @@ void main() {
     float ahead = dot(ray, light.forward);
     if (ahead <= 0.0 || distance_to_sea(ray) > 0.0) return;
 
-    float magnitude = FAINTEST + log2((float(star) + 0.5) / STARS) / (log2(10.0) * GROWTH);
+    float magnitude = FAINTEST + log2((float(star) + 0.5) / float(STARS)) / (log2(10.0) * GROWTH);
     Air air = air_before(ray, 1e30);
-    float daylight = dot(scattered(air), vec3(0.2126, 0.7152, 0.0722)) / HIDING_LUMINANCE;
+    float daylight = dot(scattered(air), LUMINANCE) / HIDING_LUMINANCE;
     vec2 pixel = vec2(2.0) / light.size;
     float angle = max(length(light.up) * pixel.y, FINEST_PIXEL);
     out_radiance = MAGNITUDE_0 * exp2(-0.4 * log2(10.0) * magnitude) * black_body(mix(50.0, 300.0, random.z)) * air.passed * starlight_through_clouds(ray)

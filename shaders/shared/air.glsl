@@ -6,14 +6,6 @@
 #define TERRANE_AIR
 #include "light.glsl"
 
-// Irradiance of the sun outside the air, in the units that exposure maps to the display.
-const float SUN = 10.0;
-// The sun's angular radius.
-const float SUN_RADIUS = 0.00465;
-// Irradiance of the night sky on level ground: airglow, and earthshine of a kind. Brighter than true, so that nights are dark and not
-// black at the exposure of days.
-const vec3 NIGHT = vec3(0.014, 0.018, 0.024);
-
 // Per metre.
 struct Medium {
     vec3 rayleigh;

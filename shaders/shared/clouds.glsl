@@ -8,8 +8,7 @@
 layout(binding = 15) uniform sampler2D cloud_map;
 layout(binding = 16) uniform sampler2D cloud_detail;
 
-// What the map holds where cloud begins, and by how much more where it is thickest.
-const float CLOUD_EDGE = 0.5;
+// By how much more than CLOUD_EDGE the map holds where cloud is thickest.
 const float CLOUD_RISE = 0.45;
 // Width of the map's texels in radii and texels a side: the root of a sphere's area.
 const float CLOUD_TEXEL = 3.545;
@@ -21,7 +20,7 @@ const float DETAIL_MOST = 0.14;
 // Optical depth at which a sheet reflects half the light: 2 / (1 - g), for drops that scatter forwards with g = 0.8 (two-stream).
 const float HALF_REFLECTED = 10.0;
 
-bool has_clouds() { return light.cloud_depth > 0.0 && !is_diagram(); }
+bool has_clouds() { return light.cloud_depth > 0.0 && !is_diagram(light.mode); }
 
 // Where a direction lies in the map, an octahedron unfolded (Cigolle et al. 2014). The outermost texels lie on its edges.
 vec2 octahedral(vec3 direction) {

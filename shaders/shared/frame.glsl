@@ -4,10 +4,11 @@
 #extension GL_EXT_buffer_reference : require
 #extension GL_EXT_buffer_reference_uvec2 : require
 
-#include "layout.glsl"
+#include "codings.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vertices { PatchVertex at[]; };
 // Triangles are three 16-bit places in the wake order each, without padding: two of them in three words.
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triangles { uint at[]; };
 
-uint parent_of(Vertices vertices, uint v) { return vertices.at[v].parent_coarser & 0xffffu; }
+uint grid_of(Vertices vertices, uint v) { return low16(vertices.at[v].grid_own); }
+uint parent_of(Vertices vertices, uint v) { return low16(vertices.at[v].parent_coarser); }

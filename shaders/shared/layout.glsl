@@ -1,4 +1,4 @@
-// Generated from planet/src/layout.rs; regenerate with TERRANE_UPDATE=1 cargo test -p terrane-planet layout.
+// Generated from planet/src/draw/layout/; regenerate with TERRANE_UPDATE=1 cargo test -p terrane-planet layout.
 
 #ifndef TERRANE_LAYOUT
 #define TERRANE_LAYOUT
@@ -106,21 +106,53 @@ struct EmitState {
 
 const uint CULL_FRUSTUM = 1u;
 const uint CULL_BACK = 2u;
+const float BACK_SLACK = 1e-5;
 const uint NO_LAYER = 4294967295u;
+const float NO_SEA = -1e30;
 const uint VERTEX_BITS = 15u;
 const uint SELECT_CHUNK = 1024u;
 const uint RESOLVE_CHUNK = 256u;
+const float SUN = 10.0;
+const float SUN_RADIUS = 0.00465;
+const float GLARE = 1.7e-6;
+const vec3 NIGHT = vec3(0.014, 0.018, 0.024);
+const int MULTIPLE_ROUND = 8;
+const int MULTIPLE_LAYERS = 8;
+const int MULTIPLE_STEPS = 32;
+const uint STARS = 9000u;
+const uint METER_BINS = 128u;
+const uint METER_STRIDE = 4u;
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
+const mat3 TONE_MIX = mat3(0.936992, 0.016931, 0.01695, 0.031373, 0.951387, 0.031373, 0.031689, 0.031666, 0.951657);
+const mat3 TONE_UNMIX = mat3(1.068485, -0.018402, -0.018424, -0.034099, 1.052838, -0.034102, -0.034445, -0.03442, 1.052547);
+const vec2 TONE_RANGE = vec2(-12.47393, 4.026069);
+const float TONE_CURVE[7] = float[7](15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232);
+const float TONE_CONTRAST = 1.4;
+const float TONE_SATURATION = 1.35;
+const vec3 DITHER = vec3(0.06711056, 0.00583715, 52.982918);
+const uvec2 TEXT_CELL = uvec2(8u, 10u);
+const uint TEXT_PLACE_BITS = 10u;
+const uint SIDE_LEFT = 1u;
+const uint SIDE_RIGHT = 2u;
+const uint SIDE_BOTTOM = 4u;
+const uint SIDE_TOP = 8u;
 const uint MODE_SHADED = 0u;
 const uint MODE_WIRE = 1u;
 const uint MODE_LEVELS = 2u;
 const uint MODE_NORMALS = 3u;
 const uint MODE_ALBEDO = 4u;
 const uint MODE_DEPTH = 5u;
+bool is_diagram(uint mode) { return mode == MODE_NORMALS || mode == MODE_ALBEDO || mode == MODE_DEPTH; }
+bool is_plain(uint mode) { return mode == MODE_NORMALS || mode == MODE_DEPTH; }
 const uint TEXTURE_GUTTER = 4u;
-const uint WAKE_ALWAYS = 65535u;
-const float NO_SEA = -1e30;
 const float SHORE_RANGE = 400.0;
+const uint WAKE_ASLEEP = 0u;
+const uint WAKE_ALWAYS = 65535u;
+const uint WAKE_MANTISSA_BITS = 10u;
 const float REPEAT_M = 1024.0;
 const float WAVE_COPIES[3] = float[](3.0, 19.0, 151.0);
+const float GROUND_LAYER = 0.0;
+const float CROWN_LAYER = 1.0;
+const float CLOUD_EDGE = 0.5;
 
 #endif

@@ -14,9 +14,6 @@ bool has_air() { return light.scale_height > 0.0; }
 // Whether the camera is so far away that the squares of its distance and of the planet's radius cannot be compared.
 bool is_afar() { return light.altitude > light.radius; }
 
-// Modes that show numbers, not light.
-bool is_diagram() { return light.mode == MODE_NORMALS || light.mode == MODE_ALBEDO || light.mode == MODE_DEPTH; }
-
 // Where a ray from the camera enters and leaves the ball of a radius `above` metres over the datum; x > y if it misses.
 vec2 through_shell(vec3 ray, float above) {
     float r = light.radius + light.altitude;

@@ -25,9 +25,6 @@ P, F12       save a picture
 [ ]          move the sun
 ";
 
-/// The modes in the order of their keys.
-pub(super) const MODES: [Mode; 6] = [Mode::Shaded, Mode::Wire, Mode::Levels, Mode::Normals, Mode::Albedo, Mode::Depth];
-
 /// What a key press asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Command {
@@ -69,7 +66,7 @@ pub(super) fn command(physical: PhysicalKey, logical: &Key) -> Option<Command> {
     if let PhysicalKey::Code(code) = physical {
         let digits = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
         if let Some(number) = digits.iter().position(|digit| *digit == code) {
-            return Some(Command::Show(MODES[number]));
+            return Some(Command::Show(Mode::ALL[number]));
         }
         match code {
             KeyCode::BracketLeft => return Some(Command::Sun(-1.0)),
@@ -101,8 +98,8 @@ pub(super) fn command(physical: PhysicalKey, logical: &Key) -> Option<Command> {
 
 /// The mode after another.
 pub(super) fn next_mode(mode: Mode) -> Mode {
-    let at = MODES.iter().position(|m| *m == mode).unwrap_or(0);
-    MODES[(at + 1) % MODES.len()]
+    let at = Mode::ALL.iter().position(|m| *m == mode).unwrap_or(0);
+    Mode::ALL[(at + 1) % Mode::ALL.len()]
 }
 
 /// The keys that are held down.
@@ -151,7 +148,7 @@ mod tests {
         let digit = |code| command(PhysicalKey::Code(code), &Key::Character("&".into()));
         assert_eq!(digit(KeyCode::Digit6), Some(Command::Show(Mode::Depth)));
         let visited: Vec<Mode> = std::iter::successors(Some(Mode::Shaded), |mode| Some(next_mode(*mode))).take(7).collect();
-        assert_eq!((&visited[..6], visited[6]), (&MODES[..], Mode::Shaded));
+        assert_eq!((&visited[..6], visited[6]), (Mode::ALL, Mode::Shaded));
     }
 
     #[test]

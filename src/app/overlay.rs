@@ -76,7 +76,7 @@ impl Overlay {
             status.device.split(" (").next().unwrap_or_default()
         );
         let states = [
-            (status.mode != Mode::Shaded, mode_name(status.mode)),
+            (status.mode != Mode::Shaded, status.mode.name()),
             (status.flying, "free flight"),
             (!status.geomorphs, "no geomorphs"),
             (status.frozen, "selection frozen: Z thaws it"),
@@ -94,18 +94,6 @@ impl Overlay {
             text += HELP;
         }
         text
-    }
-}
-
-/// The name of a mode, as on the command line.
-pub(super) fn mode_name(mode: Mode) -> &'static str {
-    match mode {
-        Mode::Shaded => "shaded",
-        Mode::Wire => "wire",
-        Mode::Levels => "levels",
-        Mode::Normals => "normals",
-        Mode::Albedo => "albedo",
-        Mode::Depth => "depth",
     }
 }
 

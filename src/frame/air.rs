@@ -14,11 +14,12 @@ use crate::vulkan::{
 };
 use std::sync::Arc;
 use terrane_planet::draw::layout::Shading;
+use terrane_planet::reference::air::MULTIPLE_TABLE;
 
 /// Transmittance: directions and heights.
 const TRANSMITTANCE: (u32, u32) = (256, 64);
 /// Multiple scattering and irradiance: elevations of the sun and heights.
-const BY_SUN: (u32, u32) = (64, 16);
+const BY_SUN: (u32, u32) = MULTIPLE_TABLE;
 /// Latitudes of the eye's rays, half of them below the horizon.
 const LATITUDES: u32 = 176;
 /// Azimuths from the sun's to the opposite one; the other half of the sky is the mirror image.

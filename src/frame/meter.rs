@@ -8,11 +8,7 @@ use super::targets::Targets;
 use crate::shaders;
 use crate::vulkan::{Access, Buffer, Commands, ComputePipeline, Context, Memory, Resource, Result, Usage};
 use std::sync::Arc;
-
-/// Bins of the histogram, as in `shared/metering.glsl`.
-const BINS: usize = 128;
-/// Pixels of a side that a workgroup of `meter.comp` looks over, as a factor on its size.
-const STRIDE: u32 = 4;
+use terrane_planet::draw::layout::{METER_BINS, METER_STRIDE};
 
 /// The stage's pipelines, histogram and result.
 pub(super) struct Meter {
@@ -26,9 +22,9 @@ pub(super) struct Meter {
 impl Meter {
     /// Builds the pipelines.
     pub(super) fn new(context: &Arc<Context>) -> Result<Meter> {
-        let bytes = (4 * BINS) as u64;
+        let bytes = u64::from(4 * METER_BINS);
         let mut zeros = Buffer::new(context, "zeros", bytes, Usage::TRANSFER_SRC, Memory::Upload)?;
-        zeros.write(0, &[0u32; BINS])?;
+        zeros.write(0, &[0u32; METER_BINS as usize])?;
         Ok(Meter {
             meter: ComputePipeline::new(context, &shaders::METER_COMP, &[])?,
             expose: ComputePipeline::new(context, &shaders::EXPOSE_COMP, &[])?,
@@ -46,7 +42,7 @@ impl Meter {
         let histogram = ("Histogram", Resource::Storage(&self.histogram));
         commands.bind(&self.meter, &[scene, histogram])?;
         let [x, y, _] = self.meter.workgroup_size();
-        commands.dispatch(targets.size.0.div_ceil(STRIDE * x), targets.size.1.div_ceil(STRIDE * y), 1)?;
+        commands.dispatch(targets.size.0.div_ceil(METER_STRIDE * x), targets.size.1.div_ceil(METER_STRIDE * y), 1)?;
         commands.barrier(&[Access::ComputeWrite], &[Access::ComputeRead])?;
         let light = ("Light", Resource::Storage(buffers.shading()));
         commands.bind(&self.expose, &[light, histogram, ("Exposure", Resource::Storage(&self.factor))])?;

@@ -9,15 +9,13 @@ use crate::vulkan::{
 };
 use font8x8::legacy::BASIC_LEGACY;
 use std::sync::Arc;
-
-/// Width and height of a character in unscaled pixels.
-const CELL_PIXELS: (u32, u32) = (8, 10);
+use terrane_planet::draw::layout::{TEXT_CELL, TEXT_PLACE_BITS};
 
 /// Most characters drawn; text past it is cut off.
 const MAX_CHARACTERS: usize = 4096;
 
 /// Columns and rows that a cell's word can tell apart.
-const MOST_CELLS: usize = 1 << 10;
+const MOST_CELLS: usize = 1 << TEXT_PLACE_BITS;
 
 /// The stage's pipeline, its font, and the text of each frame in flight.
 pub struct Overlay {
@@ -50,7 +48,7 @@ impl Overlay {
     /// have finished.
     pub fn record(&mut self, commands: &mut Commands, picture: &ImageView, text: &str, scale: u32) -> Result<()> {
         let (width, height) = picture.size();
-        let columns = (width / (CELL_PIXELS.0 * scale)).max(1);
+        let columns = (width / (TEXT_CELL[0] * scale)).max(1);
         let cells = layout(text, columns as usize);
         if cells.is_empty() {
             return Ok(());
@@ -64,14 +62,14 @@ impl Overlay {
                 &self.pipeline,
                 &[("Cells", Resource::Storage(&self.cells[self.slot])), ("Glyphs", Resource::Storage(&self.glyphs))],
             )?;
-            commands.push_constants(&[clip(CELL_PIXELS.0, width), clip(CELL_PIXELS.1, height)])?;
+            commands.push_constants(&[clip(TEXT_CELL[0], width), clip(TEXT_CELL[1], height)])?;
             commands.draw(4, cells.len() as u32)?;
             commands.end_rendering()
         })
     }
 }
 
-/// The cells of a text wrapped at `columns`: column, row << 10, character << 20. What the font lacks becomes a question mark.
+/// The cells of a text wrapped at `columns`: column, row and character, [`TEXT_PLACE_BITS`] apart. What the font lacks becomes a question mark.
 fn layout(text: &str, columns: usize) -> Vec<u32> {
     let columns = columns.min(MOST_CELLS);
     let mut cells = Vec::new();
@@ -79,7 +77,7 @@ fn layout(text: &str, columns: usize) -> Vec<u32> {
     for (row, line) in rows.enumerate().take(MOST_CELLS) {
         for (column, character) in line.chars().enumerate().take(columns) {
             let code = if character.is_ascii() { character as u32 } else { u32::from(b'?') };
-            cells.push(column as u32 | (row as u32) << 10 | code << 20);
+            cells.push(column as u32 | (row as u32) << TEXT_PLACE_BITS | code << (2 * TEXT_PLACE_BITS));
         }
     }
     cells.truncate(MAX_CHARACTERS);

@@ -7,9 +7,7 @@ use crate::scene::CloudMaps;
 use crate::shaders;
 use crate::vulkan::{vk, Blend, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
-
-/// How many there are; `stars.vert` spreads their magnitudes accordingly.
-const STARS: u32 = 9000;
+use terrane_planet::draw::layout::STARS;
 
 /// The stage's pipeline.
 pub(super) struct Stars {

@@ -3,7 +3,7 @@
 
 use crate::vulkan::{vk, Context, Image, ImageDescription, Resource, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
-use terrane_planet::maps::grain::{crown_map, grain_map, GRAIN_SIDE};
+use terrane_planet::maps::grain::{crown_map, grain_map, CROWN_LAYER, GRAIN_SIDE, GROUND_LAYER};
 use terrane_planet::maps::waves::{wave_map, CASCADES, WAVE_SIDE};
 
 /// Slopes, and a third number.
@@ -42,8 +42,8 @@ impl Tiles {
         for (layer, cascade) in CASCADES.iter().enumerate() {
             stage(&waves, layer, wave_map(cascade, layer as u64))?;
         }
-        stage(&grain, 0, grain_map(1))?;
-        stage(&grain, 1, crown_map(2))?;
+        stage(&grain, GROUND_LAYER as usize, grain_map(1))?;
+        stage(&grain, CROWN_LAYER as usize, crown_map(2))?;
         upload.finish()?;
         let description = SamplerDescription { address: vk::SamplerAddressMode::REPEAT, ..SamplerDescription::default() };
         Ok(Tiles { waves, grain, sampler: Sampler::new(context, "tiles", &description)? })

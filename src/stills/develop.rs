@@ -37,7 +37,7 @@ impl Developer {
     pub(super) fn develop(&self, samples: &[f32], window: &Window, pixels: &mut Pixels) {
         match pixels {
             Pixels::Eight(all) => self.fill(all, window, |x, y, out| {
-                let noise = if matches!(self.mode, Mode::Normals | Mode::Depth) { 0.0 } else { dither(x, y) };
+                let noise = if self.mode.is_plain() { 0.0 } else { dither(x, y) };
                 let [r, g, b, alpha] = self.shown(samples, window, [x, y]).to_array();
                 let codes = [r, g, b].map(|c| c * 255.0 + noise);
                 out.copy_from_slice(&[codes[0], codes[1], codes[2], alpha * 255.0].map(|c| c.round() as u8));

@@ -8,10 +8,10 @@ use terrane::frame::{sun_over, Look, DAYLIGHT};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::draw::layout::{Mode, Shading};
+use terrane_planet::draw::layout::{Mode, Shading, SUN_RADIUS};
 use terrane_planet::draw::view::{Camera, View, NEAR};
 use terrane_planet::globe::sphere::direction_at;
-use terrane_planet::reference::air::{Air, SUN_RADIUS};
+use terrane_planet::reference::air::Air;
 use terrane_planet::reference::tonemap::display;
 
 const SIZE: [u32; 2] = [96, 54];

@@ -9,6 +9,11 @@ use crate::globe::random::Random;
 /// Texels along a side.
 pub const GRAIN_SIDE: usize = 256;
 
+/// Layer of the grain of bare ground and grass among the maps that are looked up.
+pub const GROUND_LAYER: u32 = 0;
+/// Layer of the crowns of trees.
+pub const CROWN_LAYER: u32 = 1;
+
 /// Noise cells along a side of the coarsest octave, and octaves.
 const CELLS: usize = 8;
 const OCTAVES: u32 = 4;

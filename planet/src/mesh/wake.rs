@@ -7,7 +7,8 @@
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Wake(u16);
 
-const MANTISSA_BITS: u32 = 10;
+/// Bits of a wake's mantissa; its exponent has the rest.
+pub const MANTISSA_BITS: u32 = 10;
 
 /// Bits of a double's mantissa that a wake does not keep.
 const DROPPED_BITS: u32 = f64::MANTISSA_DIGITS - 1 - MANTISSA_BITS;

@@ -2,27 +2,20 @@
 //! Out: the light that the air scatters towards the eye, and the share that passes.
 //!
 //! Every ray is marched in hundreds of steps, from each of which the sunlight is marched again; no table is looked up but that of
-//! multiple scattering, which is part of the model (Hillaire 2020, section 5.5). Constants are those of `shaders/shared/air.glsl`.
+//! multiple scattering, which is part of the model (Hillaire 2020, section 5.5).
 
-use crate::draw::layout::Shading;
+use crate::draw::layout::{Shading, GLARE, MULTIPLE_LAYERS, MULTIPLE_ROUND, MULTIPLE_STEPS, NIGHT, SUN, SUN_RADIUS};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::PI;
 
-/// Irradiance of the sun outside the air.
-pub const SUN: f64 = 10.0;
-/// The sun's angular radius.
-pub const SUN_RADIUS: f64 = 0.00465;
-/// Share of the sun's light in its glare over a steradian, times the cube of the angle; as in `sky.frag`.
-const GLARE: f64 = 1.7e-6;
-/// Irradiance of the night sky.
-const NIGHT: DVec3 = DVec3::new(0.014, 0.018, 0.024);
 /// Steps of a view ray, and of the sunlight's ray from each.
 const STEPS: (usize, usize) = (240, 80);
-/// Elevations of the sun and heights of the table of multiple scattering; directions of each entry in a round and in height; their steps.
-const MULTIPLE: (usize, usize) = (64, 16);
-const DIRECTIONS: (usize, usize) = (8, 8);
-const MULTIPLE_STEPS: (usize, usize) = (32, 20);
+/// Elevations of the sun and heights of the table of multiple scattering.
+pub const MULTIPLE_TABLE: (u32, u32) = (64, 16);
+const MULTIPLE: (usize, usize) = (MULTIPLE_TABLE.0 as usize, MULTIPLE_TABLE.1 as usize);
+/// Steps of the sunlight's ray from each step of that table's rays.
+const MULTIPLE_SUN_STEPS: usize = 20;
 
 /// A planet's air.
 pub struct Air {
@@ -167,7 +160,7 @@ impl Air {
             let here = exp(-medium.extinction * (to - from));
             let single = self.sunlight(place, sun, STEPS.1) * (medium.rayleigh * rayleigh_phase + medium.mie * mie_phase);
             let scattering = medium.rayleigh + medium.mie;
-            let source = SUN * (single + scattering * self.multiple_at(place, sun)) + NIGHT / PI * scattering;
+            let source = SUN * (single + scattering * self.multiple_at(place, sun)) + DVec3::from_array(NIGHT) / PI * scattering;
             scattered += passed * (DVec3::ONE - here) * source / medium.extinction.max(DVec3::splat(1e-30));
             passed *= here;
         }
@@ -193,7 +186,7 @@ impl Air {
     /// All orders but the first from the first two, for a sun of irradiance 1.
     fn multiple_entry(&self, c: f64, r: f64) -> DVec3 {
         let sun = DVec3::new((1.0 - c * c).sqrt(), 0.0, c);
-        let (round, layers) = DIRECTIONS;
+        let (round, layers) = (MULTIPLE_ROUND as usize, MULTIPLE_LAYERS as usize);
         let (mut second, mut share) = (DVec3::ZERO, DVec3::ZERO);
         for k in 0..round * layers {
             let z = 2.0 * ((k / round) as f64 + 0.5) / layers as f64 - 1.0;
@@ -211,21 +204,21 @@ impl Air {
     fn look(&self, eye: DVec3, ray: DVec3, sun: DVec3) -> (DVec3, DVec3) {
         let (mut second, mut share, mut passed) = (DVec3::ZERO, DVec3::ZERO, DVec3::ONE);
         let Some((start, end, meets)) = self.span(eye, ray) else { return (second, share) };
-        for k in 0..MULTIPLE_STEPS.0 {
-            let at = |k: usize| start + (end - start) * unspread(k as f64 / MULTIPLE_STEPS.0 as f64);
+        for k in 0..MULTIPLE_STEPS {
+            let at = |k: i32| start + (end - start) * unspread(f64::from(k) / f64::from(MULTIPLE_STEPS));
             let place = eye + ray * (0.5 * (at(k) + at(k + 1)));
             let medium = self.medium(place.length());
             let here = exp(-medium.extinction * (at(k + 1) - at(k)));
             let weight =
                 passed * (DVec3::ONE - here) * (medium.rayleigh + medium.mie) / medium.extinction.max(DVec3::splat(1e-30));
-            second += weight * self.sunlight(place, sun, MULTIPLE_STEPS.1) / (4.0 * PI);
+            second += weight * self.sunlight(place, sun, MULTIPLE_SUN_STEPS) / (4.0 * PI);
             share += weight;
             passed *= here;
         }
         if meets {
             let ground = (eye + ray * end).normalize();
             let facing = ground.dot(sun).max(0.0);
-            second += passed * self.albedo / PI * facing * self.sunlight(ground * self.bottom, sun, MULTIPLE_STEPS.1);
+            second += passed * self.albedo / PI * facing * self.sunlight(ground * self.bottom, sun, MULTIPLE_SUN_STEPS);
         }
         (second, share)
     }

@@ -1,6 +1,6 @@
 //! Twin of `emit.comp`: the triangles of a patch that this view draws.
 
-use crate::draw::layout::{DrawnVertex, FrameView, CULL_BACK, CULL_FRUSTUM};
+use crate::draw::layout::{DrawnVertex, FrameView, BACK_SLACK, CULL_BACK, CULL_FRUSTUM};
 use glam::Vec3;
 
 /// Triangles of an index level with every corner replaced by the vertex it is drawn as; degenerate and culled ones dropped.
@@ -27,6 +27,3 @@ fn faces_away(a: Vec3, b: Vec3, c: Vec3) -> bool {
     let size = normal.x.abs() * a.x.abs() + normal.y.abs() * a.y.abs() + normal.z.abs() * a.z.abs();
     height > size * BACK_SLACK
 }
-
-/// Relative rounding error below which a triangle seen edge-on still counts as facing the eye. `emit.comp` has the same.
-pub const BACK_SLACK: f32 = 1e-5;

@@ -3,8 +3,9 @@
 //! Every operation is a single-precision IEEE operation in the order of the shader, which marks them `precise`.
 
 use super::place::{drawn_place, relative};
-use crate::draw::layout::{DrawnVertex, FrameView, PatchVertex};
-use crate::mesh::wake::Wake;
+use crate::draw::layout::{high16, DrawnVertex, FrameView, PatchVertex};
+use crate::globe::patch::Side;
+use crate::mesh::wake::{Wake, MANTISSA_BITS};
 use glam::Vec3;
 
 /// What a view selects of a patch, or of a prefix of its vertices.
@@ -24,26 +25,26 @@ fn dot(a: Vec3, b: [f32; 3]) -> f32 {
 /// A wake's distance in f32, exact.
 #[inline]
 fn distance(code: u32) -> f32 {
-    let (exponent, mantissa) = (code >> 10, code & 1023);
-    f32::from_bits((exponent + 127) << 23 | mantissa << 13)
+    f32::from_bits((code << (f32::MANTISSA_DIGITS - 1 - MANTISSA_BITS)) + 1.0f32.to_bits())
 }
 
 /// Whether a grid vertex lies on one of the given sides (bits left, right, bottom, top).
 #[inline]
 pub fn on_sides(grid: u32, cells: u32, sides: u32) -> bool {
     let (i, j) = (grid % (cells + 1), grid / (cells + 1));
-    (sides & 1 != 0 && i == 0) || (sides & 2 != 0 && i == cells) || (sides & 4 != 0 && j == 0) || (sides & 8 != 0 && j == cells)
+    let on = |side: Side| sides & u32::from(side.bit()) != 0;
+    (on(Side::Left) && i == 0) || (on(Side::Right) && i == cells) || (on(Side::Bottom) && j == 0) || (on(Side::Top) && j == cells)
 }
 
 /// The morph weight (see [`super::place`]) of a vertex that is awake; `None` if it sleeps.
 #[inline]
 pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) -> Option<f32> {
     let coarser = coarser_sides != 0 && on_sides(vertex.grid(), view.cells, coarser_sides);
-    let code = if coarser { vertex.parent_coarser } else { vertex.grid_own } >> 16;
+    let code = high16(if coarser { vertex.parent_coarser } else { vertex.grid_own });
     if code == u32::from(Wake::ALWAYS.code()) {
         return Some(0.0);
     }
-    if code == 0 {
+    if code == u32::from(Wake::ASLEEP.code()) {
         return None;
     }
     let wake = distance(code);

@@ -2,19 +2,10 @@
 //!
 //! In: radiance and its factor. Out: sRGB-encoded channels from 0 to 1. The curve is that of AgX (Sobotka 2022) in Wrensch's fit.
 
-use crate::draw::layout::Mode;
+use crate::draw::layout::{
+    Mode, DITHER, LUMINANCE, TONE_CONTRAST, TONE_CURVE, TONE_MIX, TONE_RANGE, TONE_SATURATION, TONE_UNMIX,
+};
 use glam::{Mat3, Vec3};
-
-const MIX: Mat3 =
-    Mat3::from_cols_array(&[0.936992, 0.016931, 0.016950, 0.031373, 0.951387, 0.031373, 0.031689, 0.031666, 0.951657]);
-const UNMIX: Mat3 =
-    Mat3::from_cols_array(&[1.068485, -0.018402, -0.018424, -0.034099, 1.052838, -0.034102, -0.034445, -0.034420, 1.052547]);
-/// Powers of two that the curve maps to black and white.
-const RANGE: (f32, f32) = (-12.47393, 4.026069);
-const CONTRAST: f32 = 1.4;
-const SATURATION: f32 = 1.35;
-/// Luminance of the primaries.
-pub const LUMINANCE: Vec3 = Vec3::new(0.2126, 0.7152, 0.0722);
 
 /// The encoded display value of what the scene's image holds, with `exposure` the factor from radiance to display.
 pub fn display(mode: Mode, exposure: f32, color: Vec3) -> Vec3 {
@@ -26,19 +17,22 @@ pub fn display(mode: Mode, exposure: f32, color: Vec3) -> Vec3 {
 }
 
 fn filmic(color: Vec3) -> Vec3 {
-    let log = (MIX * color).max(Vec3::splat(1e-10)).to_array().map(f32::log2);
-    let x = ((Vec3::from(log) - RANGE.0) / (RANGE.1 - RANGE.0)).clamp(Vec3::ZERO, Vec3::ONE);
+    let log = (Mat3::from_cols_array(&TONE_MIX) * color).max(Vec3::splat(1e-10)).to_array().map(f32::log2);
+    let [black, white] = TONE_RANGE;
+    let x = ((Vec3::from(log) - black) / (white - black)).clamp(Vec3::ZERO, Vec3::ONE);
     let (x2, x4) = (x * x, x * x * x * x);
-    let x = 15.5 * x4 * x2 - 40.14 * x4 * x + 31.96 * x4 - 6.868 * x2 * x + 0.4298 * x2 + 0.1191 * x - 0.00232;
-    let x = x.max(Vec3::ZERO).powf(CONTRAST);
-    let grey = Vec3::splat(x.dot(LUMINANCE));
-    (UNMIX * (grey + SATURATION * (x - grey))).clamp(Vec3::ZERO, Vec3::ONE)
+    let [c6, c5, c4, c3, c2, c1, c0] = TONE_CURVE;
+    let x = c6 * x4 * x2 + c5 * x4 * x + c4 * x4 + c3 * x2 * x + c2 * x2 + c1 * x + c0;
+    let x = x.max(Vec3::ZERO).powf(TONE_CONTRAST);
+    let grey = Vec3::splat(x.dot(Vec3::from_array(LUMINANCE)));
+    (Mat3::from_cols_array(&TONE_UNMIX) * (grey + TONE_SATURATION * (x - grey))).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
 /// What the shader adds to 8-bit pictures against banding, in steps: interleaved gradient noise (Jimenez 2014) of the pixel at a place.
 pub fn dither(x: u32, y: u32) -> f32 {
-    let at = (x as f32 + 0.5) * 0.067_110_56 + (y as f32 + 0.5) * 0.005_837_15;
-    (52.982_92 * at.fract()).fract() - 0.5
+    let [column, row, factor] = DITHER;
+    let at = (x as f32 + 0.5) * column + (y as f32 + 0.5) * row;
+    (factor * at.fract()).fract() - 0.5
 }
 
 /// sRGB from linear light, both from 0 to 1.

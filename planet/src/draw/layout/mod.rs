@@ -1,51 +1,21 @@
-//! Every structure that the GPU sees, declared once. The GLSL in `shaders/shared/layout.glsl` is generated from here; a test
-//! regenerates and compares it, and a device test reads every member back.
+//! Every structure that the GPU sees and every number that shaders and Rust share, declared once. The GLSL in
+//! `shaders/shared/layout.glsl` is generated from here; a test regenerates and compares it, and a device test reads every member back.
 //!
 //! All members are 32-bit words and blocks use the scalar layout, so Rust's `repr(C)` and GLSL agree without padding.
+
+mod constants;
+mod glsl;
 
 use crate::globe::lattice::Lattice;
 use crate::ground::WarpedGrid;
 use crate::mesh::progressive::PatchMesh;
 use crate::mesh::wake::Wake;
 use bytemuck::{Pod, Zeroable};
-use std::fmt::Write;
+use glsl::GlslMember;
 use terrane_heightfield::decimate::star::LEAST_AREA;
 
-/// A type that can be a member of a GPU structure.
-pub trait GlslMember {
-    /// GLSL declaration of a member of this type.
-    fn declare(name: &str) -> String;
-    /// GLSL expressions of all 32-bit words of a member.
-    fn words(name: &str) -> Vec<String>;
-}
-
-macro_rules! glsl_members {
-    ($($rust:ty => $glsl:literal, $suffix:literal, [$($word:literal),*];)*) => {$(
-        impl GlslMember for $rust {
-            fn declare(name: &str) -> String {
-                format!("{} {name}{};", $glsl, $suffix)
-            }
-            fn words(name: &str) -> Vec<String> {
-                vec![$(format!(concat!("{}", $word), name)),*]
-            }
-        }
-    )*};
-}
-
-glsl_members! {
-    u32 => "uint", "", [""];
-    i32 => "int", "", [""];
-    f32 => "float", "", [""];
-    [u32; 2] => "uvec2", "", [".x", ".y"];
-    [i32; 3] => "ivec3", "", [".x", ".y", ".z"];
-    [f32; 2] => "vec2", "", [".x", ".y"];
-    [f32; 3] => "vec3", "", [".x", ".y", ".z"];
-    [f32; 4] => "vec4", "", [".x", ".y", ".z", ".w"];
-    [[f32; 3]; 5] => "vec3", "[5]", ["[0].x", "[0].y", "[0].z", "[1].x", "[1].y", "[1].z", "[2].x", "[2].y", "[2].z",
-        "[3].x", "[3].y", "[3].z", "[4].x", "[4].y", "[4].z"];
-    [[f32; 4]; 4] => "mat4", "", ["[0].x", "[0].y", "[0].z", "[0].w", "[1].x", "[1].y", "[1].z", "[1].w",
-        "[2].x", "[2].y", "[2].z", "[2].w", "[3].x", "[3].y", "[3].z", "[3].w"];
-}
+pub use constants::*;
+pub use glsl::{glsl, probe_glsl, probe_words};
 
 macro_rules! gpu_structs {
     ($($(#[$meta:meta])* $name:ident { $($(#[$member_meta:meta])* $member:ident: $ty:ty,)* })*) => {
@@ -257,48 +227,19 @@ gpu_structs! {
     }
 }
 
-/// Triangles outside one frustum plane are not emitted.
-pub const CULL_FRUSTUM: u32 = 1;
-/// Triangles that face away from the camera are not emitted.
-pub const CULL_BACK: u32 = 2;
-/// Texture layer of a patch without one.
-pub const NO_LAYER: u32 = u32::MAX;
-/// Sea level of a planet without a sea.
-pub const NO_SEA: f32 = -1e30;
-/// Bits of an emitted index that name the vertex; the rest name the patch.
-pub const VERTEX_BITS: u32 = 15;
-/// Most patches a frame can draw (the rest of an emitted index, short of the restart value).
-pub const MAX_PATCHES: u32 = (1 << (32 - VERTEX_BITS)) - 1;
-/// Vertices a workgroup selects.
-pub const SELECT_CHUNK: u32 = 1024;
-/// Vertices a workgroup resolves.
-pub const RESOLVE_CHUNK: u32 = 256;
-/// Triangles a workgroup emits.
-pub const EMIT_CHUNK: u32 = 256;
-
-/// How ground is drawn.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-#[repr(u32)]
-pub enum Mode {
-    /// Lit ground.
-    Shaded = 0,
-    /// Lit ground under the mesh's edges.
-    Wire = 1,
-    /// Patch levels by colour, lit.
-    Levels = 2,
-    /// Normals as colour.
-    Normals = 3,
-    /// Albedo, unlit.
-    Albedo = 4,
-    /// Distance on a logarithmic grey scale.
-    Depth = 5,
+/// Two 16-bit numbers in a word, as `shaders/shared/codings.glsl` takes them apart.
+pub(crate) fn pair(low: u16, high: u16) -> u32 {
+    u32::from(low) | u32::from(high) << 16
 }
 
-impl Mode {
-    /// Whether the picture shows numbers as colours, not light.
-    pub fn is_diagram(self) -> bool {
-        matches!(self, Mode::Normals | Mode::Albedo | Mode::Depth)
-    }
+/// The first number of a [`pair`].
+pub(crate) fn low16(pair: u32) -> u32 {
+    pair & 0xffff
+}
+
+/// The second number of a [`pair`].
+pub(crate) fn high16(pair: u32) -> u32 {
+    pair >> 16
 }
 
 impl PatchVertex {
@@ -308,124 +249,28 @@ impl PatchVertex {
         let grid = WarpedGrid::new(mesh.id, 0..=mesh.cells as i32, mesh.cells);
         let convert = |v: &crate::mesh::progressive::Vertex| PatchVertex {
             position: lattice.position(grid.direction(usize::from(v.grid) % row, usize::from(v.grid) / row), v.height).to_array(),
-            grid_own: u32::from(v.grid) | u32::from(v.own.code()) << 16,
-            parent_coarser: u32::from(v.parent) | u32::from(v.coarser.code()) << 16,
+            grid_own: pair(v.grid, v.own.code()),
+            parent_coarser: pair(v.parent, v.coarser.code()),
         };
         mesh.vertices.iter().map(convert).collect()
     }
 
     /// Grid number.
     pub fn grid(&self) -> u32 {
-        self.grid_own & 0xffff
+        low16(self.grid_own)
     }
 
     /// Place of the vertex it collapses into.
     pub fn parent(&self) -> u32 {
-        self.parent_coarser & 0xffff
+        low16(self.parent_coarser)
     }
 
     /// The larger of its two wakes.
     pub fn wake(&self) -> Wake {
-        Wake::from_code((self.grid_own.max(self.parent_coarser) >> 16) as u16)
+        Wake::from_code(high16(self.grid_own.max(self.parent_coarser)) as u16)
     }
-}
-
-/// The generated GLSL: all structures and shared constants.
-pub fn glsl() -> String {
-    let mut text = String::from(
-        "// Generated from planet/src/layout.rs; regenerate with TERRANE_UPDATE=1 cargo test -p terrane-planet layout.\n\n\
-         #ifndef TERRANE_LAYOUT\n#define TERRANE_LAYOUT\n\n",
-    );
-    for (name, members, _) in structures() {
-        let _ = writeln!(text, "struct {name} {{\n    {}\n}};\n", members.join("\n    "));
-    }
-    let constants = [
-        ("CULL_FRUSTUM", CULL_FRUSTUM),
-        ("CULL_BACK", CULL_BACK),
-        ("NO_LAYER", NO_LAYER),
-        ("VERTEX_BITS", VERTEX_BITS),
-        ("SELECT_CHUNK", SELECT_CHUNK),
-        ("RESOLVE_CHUNK", RESOLVE_CHUNK),
-        ("MODE_SHADED", Mode::Shaded as u32),
-        ("MODE_WIRE", Mode::Wire as u32),
-        ("MODE_LEVELS", Mode::Levels as u32),
-        ("MODE_NORMALS", Mode::Normals as u32),
-        ("MODE_ALBEDO", Mode::Albedo as u32),
-        ("MODE_DEPTH", Mode::Depth as u32),
-        ("TEXTURE_GUTTER", crate::ground::GUTTER as u32),
-        ("WAKE_ALWAYS", u32::from(Wake::ALWAYS.code())),
-    ];
-    for (name, value) in constants {
-        let _ = writeln!(text, "const uint {name} = {value}u;");
-    }
-    let _ = writeln!(text, "const float NO_SEA = {NO_SEA:e};");
-    let _ = writeln!(text, "const float SHORE_RANGE = {:?};", crate::ground::texture::SHORE_RANGE);
-    let _ = writeln!(text, "const float REPEAT_M = {:?};", crate::maps::waves::REPEAT_M);
-    let copies = crate::maps::waves::CASCADES.map(|cascade| format!("{:?}", f64::from(cascade.copies)));
-    let _ = writeln!(text, "const float WAVE_COPIES[{}] = float[]({});", copies.len(), copies.join(", "));
-    text.push_str("\n#endif\n");
-    text
-}
-
-/// GLSL of a compute shader that copies every word of one of each structure into a buffer, in order.
-pub fn probe_glsl() -> String {
-    let mut text = String::from(
-        "#version 460\n// Generated from planet/src/layout.rs: reads every member of every structure back (tests only).\n\
-         #extension GL_EXT_scalar_block_layout : require\n#include \"layout.glsl\"\n\nlayout(local_size_x = 1) in;\n",
-    );
-    let mut body = String::new();
-    for (binding, (name, _, words)) in structures().into_iter().enumerate() {
-        let variable = name.to_lowercase();
-        let _ = writeln!(text, "layout(scalar, binding = {binding}) readonly buffer {name}Block {{ {name} {variable}; }};");
-        for word in words {
-            let _ = writeln!(body, "    words[at++] = bits({variable}.{word});");
-        }
-    }
-    let binding = structures().len();
-    let _ = writeln!(text, "layout(scalar, binding = {binding}) writeonly buffer Words {{ uint words[]; }};\n");
-    text.push_str("uint bits(uint x) { return x; }\nuint bits(int x) { return uint(x); }\nuint bits(float x) { return floatBitsToUint(x); }\n\n");
-    let _ = writeln!(text, "void main() {{\n    uint at = 0u;\n{body}}}");
-    text
-}
-
-/// Words (32-bit) of each structure in the order of [`probe_glsl`]'s bindings.
-pub fn probe_words() -> Vec<(&'static str, usize)> {
-    structures().into_iter().map(|(name, _, words)| (name, words.len())).collect()
 }
 
 // Grid numbers and emitted vertices must fit their bits.
 const _: () = assert!((crate::globe::patch::MAX_CELLS + 1) * (crate::globe::patch::MAX_CELLS + 1) <= 1 << VERTEX_BITS);
 const _: () = assert!(LEAST_AREA > 0.0);
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn structures_have_no_padding() {
-        let sizes = [
-            size_of::<PatchVertex>(),
-            size_of::<PatchDraw>(),
-            size_of::<DrawnVertex>(),
-            size_of::<Task>(),
-            size_of::<FrameView>(),
-            size_of::<Shading>(),
-            size_of::<EmitState>(),
-        ];
-        let words: Vec<usize> = probe_words().into_iter().map(|(_, words)| 4 * words).collect();
-        assert_eq!(words, sizes);
-    }
-
-    #[test]
-    fn generated_shader_code_is_up_to_date() {
-        let shaders = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../shaders");
-        for (file, text) in [("shared/layout.glsl", glsl()), ("layout_probe.comp", probe_glsl())] {
-            let path = shaders.join(file);
-            if std::env::var_os("TERRANE_UPDATE").is_some() {
-                std::fs::write(&path, &text).unwrap();
-            }
-            let found = std::fs::read_to_string(&path).unwrap_or_default();
-            assert!(found == text, "{} is out of date: run the tests once with TERRANE_UPDATE=1", path.display());
-        }
-    }
-}
