@@ -14,3 +14,8 @@ pub mod shaders;
 pub mod stills;
 pub mod verify;
 pub mod vulkan;
+
+/// The example of the README is a test: it compiles.
+#[cfg(doctest)]
+#[doc = include_str!("../README.md")]
+struct Readme;
