@@ -2,6 +2,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::{command, text};
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::time::{Duration, Instant};
@@ -12,24 +16,14 @@ fn recipe() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../planet/recipes/tiny.toml")
 }
 
-fn terrane(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
-    command.args(arguments).stdin(Stdio::null());
-    command
-}
-
 fn bake(out: &Path, more: &[&str]) -> Command {
-    let mut command = terrane(&["bake"]);
+    let mut command = command(&["bake"]);
     command.arg(recipe()).arg("--out").arg(out).args(more);
     command
 }
 
 fn run(mut command: Command) -> Output {
     command.output().expect("terrane runs")
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 fn json(output: &Output) -> serde_json::Value {
@@ -106,13 +100,13 @@ fn info_describes_the_file() {
     let out = folder.path().join("a.planet");
     let output = run(bake(&out, &["--levels", "1", "--cells", "8", "--region", "-10,-20,0.5", "--to-level", "3"]));
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
-    let output = run(terrane(&["info", "--json", &out.to_string_lossy()]));
+    let output = run(command(&["info", "--json", &out.to_string_lossy()]));
     let info = json(&output);
     assert_eq!((&info["name"], &info["cells"], &info["format_version"]), (&"Tiny".into(), &8.into(), &FORMAT_VERSION.into()));
     assert_eq!(info["levels"][1]["patches"], 24);
     assert_eq!(info["levels"].as_array().unwrap().len(), 4);
     assert_eq!(info["regions"][0]["to_level"], 3);
-    let output = run(terrane(&["info", &out.to_string_lossy()]));
+    let output = run(command(&["info", &out.to_string_lossy()]));
     assert!(text(&output.stdout).contains("level  1: 24 of 24 patches"), "{}", text(&output.stdout));
 }
 
@@ -122,7 +116,7 @@ fn shipped_recipes_are_baked_by_name_from_any_folder() {
     let at = |name: &str| folder.path().join(name);
     let named = |name: &str| {
         let out = at(&format!("{name}.planet"));
-        let mut command = terrane(&["bake", name, "--levels", "0", "--cells", "8", "--out", out.to_str().unwrap()]);
+        let mut command = command(&["bake", name, "--levels", "0", "--cells", "8", "--out", out.to_str().unwrap()]);
         command.current_dir(folder.path());
         let output = run(command);
         assert_eq!(output.status.code(), Some(0), "{name}: {}", text(&output.stderr));
@@ -158,7 +152,7 @@ fn failures_say_what_and_where_and_exit_with_one() {
     ];
     let tiny = recipe().canonicalize().unwrap();
     for (arguments, message) in cases {
-        let mut command = terrane(&arguments.map(|a| if a == "RECIPE" { tiny.to_str().unwrap() } else { a }));
+        let mut command = command(&arguments.map(|a| if a == "RECIPE" { tiny.to_str().unwrap() } else { a }));
         command.args(level).current_dir(folder.path());
         let output = run(command);
         assert_eq!(output.status.code(), Some(1), "{arguments:?}");
@@ -194,7 +188,7 @@ fn wrong_usage_exits_with_two_and_names_the_argument() {
         (&["info"], "FILE"),
     ];
     for (arguments, message) in cases {
-        let output = run(terrane(arguments));
+        let output = run(command(arguments));
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(text(&output.stderr).contains(message), "{arguments:?}: {}", text(&output.stderr));
     }

@@ -2,29 +2,23 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::{command, text};
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::store::PlanetFile;
 
 const GRID: [&str; 4] = ["--levels", "2", "--cells", "8"];
-
-fn terrane(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
-    command.args(arguments).stdin(Stdio::null());
-    command
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
 
 fn recipe() -> String {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("../planet/recipes/tiny.toml").display().to_string()
 }
 
 fn bake(recipe: &str, out: &Path, grid: &[&str]) -> Output {
-    terrane(&["bake", recipe, "--out", &out.to_string_lossy()]).args(grid).output().unwrap()
+    command(&["bake", recipe, "--out", &out.to_string_lossy()]).args(grid).output().unwrap()
 }
 
 fn baked(folder: &Path, name: &str) -> PathBuf {
@@ -35,7 +29,7 @@ fn baked(folder: &Path, name: &str) -> PathBuf {
 }
 
 fn edit(file: &Path, arguments: &[&str]) -> Output {
-    terrane(&["edit", &file.to_string_lossy()]).args(arguments).output().unwrap()
+    command(&["edit", &file.to_string_lossy()]).args(arguments).output().unwrap()
 }
 
 /// The object that an edit prints.
@@ -72,7 +66,7 @@ fn edits_are_listed_and_undone() {
     edited(&file, &["raise", "--at=5,-170", "--radius", "700", "--by", "-30"]);
     let list = text(&edit(&file, &["list"]).stdout);
     assert!(list.starts_with("1: crater at -10, -20, radius 900 m") && list.contains("3: raise"), "{list}");
-    let info = text(&terrane(&["info", &file.to_string_lossy()]).output().unwrap().stdout);
+    let info = text(&command(&["info", &file.to_string_lossy()]).output().unwrap().stdout);
     assert!(info.contains("edit: flatten at 5, -170"), "{info}");
     assert_eq!(edited(&file, &["undo"])["edit"]["by_m"], -30.0);
     assert_eq!(edited(&file, &["undo"])["edit"]["kind"], "flatten");
@@ -125,7 +119,7 @@ fn an_interrupted_edit_is_resumed() {
     assert!(left > 0);
     let said = text(&edit(&file, &["list"]).stdout);
     assert!(said.contains(&format!("unfinished: {left} patches")) && said.contains("resume"), "{said}");
-    let info = text(&terrane(&["info", &file.to_string_lossy()]).output().unwrap().stdout);
+    let info = text(&command(&["info", &file.to_string_lossy()]).output().unwrap().stdout);
     assert!(info.contains(&format!("unfinished: {left} patches")), "{info}");
     let resumed = edited(&file, &["resume"]);
     assert_eq!((&resumed["patches_rebuilt"], &resumed["edit"]), (&left.into(), &serde_json::Value::Null));

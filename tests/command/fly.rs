@@ -3,6 +3,10 @@
 
 #![allow(clippy::unwrap_used, reason = "a failure fails the test")]
 
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::{command, text};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -16,13 +20,8 @@ const FRAMES: Duration = Duration::from_millis(700);
 const SIZE: (u32, u32) = (320, 240);
 
 fn terrane(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
-    command
-        .args(arguments)
-        .stdin(Stdio::null())
-        .env_remove("WAYLAND_DISPLAY")
-        .env_remove("WAYLAND_SOCKET")
-        .env_remove("RUST_LOG");
+    let mut command = command(arguments);
+    command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("RUST_LOG");
     command
 }
 
@@ -33,10 +32,6 @@ fn bake(folder: &Path) -> PathBuf {
     let output = command.arg(&planet).arg(recipe).output().expect("terrane runs");
     assert!(output.status.success(), "{}", text(&output.stderr));
     planet
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
 }
 
 /// A process that ends with the test.

@@ -2,9 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+#[path = "../common/mod.rs"]
+mod common;
+
+use common::{command, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output, Stdio};
+use std::process::Output;
 use std::sync::atomic::AtomicBool;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::planet::bake::{bake, BakePlan};
@@ -12,19 +16,9 @@ use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::store::{BakedPatch, PlanetFile};
 
-fn terrane(arguments: &[&str]) -> Command {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
-    command.args(arguments).stdin(Stdio::null());
-    command
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8_lossy(bytes).into_owned()
-}
-
 /// Whether there is a device; none prints "skipped", or fails where `TERRANE_REQUIRE_GPU=1`.
 fn has_device() -> bool {
-    let output = terrane(&["gpus"]).output().unwrap();
+    let output = command(&["gpus"]).output().unwrap();
     let found = output.status.success() && text(&output.stdout).contains(" usable");
     if !found {
         let required = std::env::var("TERRANE_REQUIRE_GPU").is_ok_and(|value| value == "1");
@@ -57,7 +51,7 @@ fn bake_tiny(path: &Path, other: Option<(&Planet, PatchId)>) {
 }
 
 fn verify(path: &Path) -> (Output, Value) {
-    let output = terrane(&["verify", "--views", "8", "--validate", "--json"]).arg(path).output().unwrap();
+    let output = command(&["verify", "--views", "8", "--validate", "--json"]).arg(path).output().unwrap();
     let found = serde_json::from_slice(&output.stdout);
     let json = found.unwrap_or_else(|e| panic!("{e}: {} {}", text(&output.stdout), text(&output.stderr)));
     (output, json)
@@ -107,7 +101,7 @@ fn the_gpus_are_listed() {
     if !has_device() {
         return;
     }
-    let output = terrane(&["gpus", "--json"]).output().unwrap();
+    let output = command(&["gpus", "--json"]).output().unwrap();
     let json: Value = serde_json::from_slice(&output.stdout).unwrap();
     let first = &json["gpus"][0];
     assert_eq!((&first["index"], first["name"].is_string(), first["usable"].is_boolean()), (&0.into(), true, true), "{json}");
@@ -119,7 +113,7 @@ fn without_a_driver_every_command_says_what_to_install() {
     let cases: [&[&str]; 3] =
         [&["gpus"], &["shot", "x.planet", "--at", "0,0,1000", "--out", "x.png"], &["verify", "x.planet", "--views", "1"]];
     for arguments in cases {
-        let mut command = terrane(arguments);
+        let mut command = command(arguments);
         command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
         let output = command.output().unwrap();
         let errors = text(&output.stderr);

@@ -6,10 +6,16 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use terrane::vulkan::{Context, ContextOptions};
 
+/// The command with arguments, to be run.
+pub(crate) fn command(arguments: &[&str]) -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
+    command.args(arguments).stdin(Stdio::null());
+    command
+}
+
 /// Runs the command in a folder.
 pub(crate) fn terrane(arguments: &[&str], folder: &Path) -> Output {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_terrane"));
-    command.args(arguments).current_dir(folder).stdin(Stdio::null()).output().expect("terrane runs")
+    command(arguments).current_dir(folder).output().expect("terrane runs")
 }
 
 /// Whether there is a device to render with; none prints "skipped", or fails where `TERRANE_REQUIRE_GPU=1`.

@@ -4,12 +4,13 @@ mod live;
 mod percentiles;
 mod savings;
 
+use super::drawing::DrawOptions;
 use super::paths::load_path;
 use super::stage_times::stage_times;
-use super::viewing::{picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{check_tolerance, picture_size};
 use super::{pictures, Run};
 use crate::Outcome;
-use anyhow::{ensure, Context as _};
+use anyhow::Context as _;
 use percentiles::{summarise, Line};
 use savings::VARIANTS;
 use serde_json::{json, Value};
@@ -19,10 +20,7 @@ use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::Scene;
 use terrane::vulkan::GpuInfo;
-use terrane_planet::draw::camera_path::{CameraPath, Keyframe};
-use terrane_planet::draw::view::{View, TOLERANCE_RANGE};
-use terrane_planet::globe::sphere::direction_at;
-use terrane_planet::recipe::Recipe;
+use terrane_planet::draw::camera_path::Keyframe;
 
 /// Measure the frames along a camera path: steady costs, after the patches of each frame have been loaded.
 ///
@@ -58,13 +56,7 @@ pub(crate) struct Bench {
     #[arg(long, requires = "live")]
     check: bool,
     #[command(flatten)]
-    mesh: MeshOptions,
-    #[command(flatten)]
-    patches: PatchOptions,
-    #[command(flatten)]
-    look: LookOptions,
-    #[command(flatten)]
-    gpu: GpuOptions,
+    draw: DrawOptions,
     /// JSON file to write: what was measured on what, percentiles, and the row of every frame.
     #[arg(long, value_name = "OUT")]
     json: Option<PathBuf>,
@@ -72,11 +64,9 @@ pub(crate) struct Bench {
 
 impl Run for Bench {
     fn run(self) -> anyhow::Result<Outcome> {
-        let (least, most) = TOLERANCE_RANGE;
-        ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
+        check_tolerance(self.error)?;
         let path = load_path(&self.path)?;
-        let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
+        let (context, mut scene) = self.draw.open(&self.file)?;
         let [width, height] = self.size;
         let mut headless = Headless::new(&context, (width, height))?;
         if self.live {
@@ -88,13 +78,13 @@ impl Run for Bench {
                 report["flight"] = flight.report()?;
                 write_report(out, &report)?;
             }
-            self.gpu.report_messages(&context)?;
+            self.draw.gpu.report_messages(&context)?;
             flight.verdict()?;
             return Ok(Outcome::Done);
         }
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
-        let look = self.look_along(&scene.planet().recipe, &path);
+        let look = self.draw.look_along(&scene.planet().recipe, &path);
         for _ in 0..self.warmup {
             self.measure(&mut scene, &mut headless, &look, &path.at(first), |view, _| view)?;
         }
@@ -123,18 +113,12 @@ impl Run for Bench {
             }
             write_report(out, &report)?;
         }
-        self.gpu.report_messages(&context)?;
+        self.draw.gpu.report_messages(&context)?;
         Ok(Outcome::Done)
     }
 }
 
 impl Bench {
-    /// The look of the whole path: the sun stands still, as seen from where the path ends.
-    fn look_along(&self, recipe: &Recipe, path: &CameraPath) -> Look {
-        let end = path.at(path.span().1);
-        self.look.look(recipe, direction_at(end.latitude, end.longitude), Exposure::Fixed(1.0))
-    }
-
     fn measure(
         &self,
         scene: &mut Scene,
@@ -144,8 +128,7 @@ impl Bench {
         change: savings::Change,
     ) -> anyhow::Result<FrameCost> {
         let planet = scene.planet();
-        let camera = planet.camera_at(stand, self.size);
-        let view = change(self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), planet), planet);
+        let view = change(self.draw.view(planet.camera_at(stand, self.size), planet, self.error), planet);
         Ok(measure_frame(scene, headless, &view, look)?)
     }
 
@@ -155,7 +138,7 @@ impl Bench {
             "device": device.name, "driver": device.driver, "driver_info": device.driver_info,
             "commit": env!("TERRANE_COMMIT"), "version": env!("CARGO_PKG_VERSION"),
             "planet": self.file, "path": self.path, "size": self.size, "tolerance_px": self.error,
-            "geomorphs": self.mesh.geomorphs(), "orientation": self.mesh.orientation(),
+            "geomorphs": self.draw.mesh.geomorphs(), "orientation": self.draw.mesh.orientation(),
             "frames": self.frames, "warmup": self.warmup,
         })
     }
@@ -168,7 +151,7 @@ impl Bench {
             self.frames,
             self.path.display(),
             self.error,
-            self.mesh.describe(),
+            self.draw.mesh.describe(),
             env!("TERRANE_COMMIT")
         );
     }

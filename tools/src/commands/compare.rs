@@ -1,16 +1,16 @@
 //! `terrane compare`: triangles at equal measured screen error, ours and those of classic methods.
 
 use super::paths::load_path;
-use super::viewing::picture_size;
+use super::viewing::{check_tolerance, picture_size};
 use super::{pictures, Run};
 use crate::compare::{best, count_probes, stands, Effort, Equal, Measured, Setting, Stand, FAMILIES};
 use crate::Outcome;
-use anyhow::{ensure, Context as _};
+use anyhow::Context as _;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use terrane_planet::draw::tree::PatchFacts;
-use terrane_planet::draw::view::{Camera, TOLERANCE_RANGE};
+use terrane_planet::draw::view::Camera;
 use terrane_planet::globe::sphere::place_of;
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
@@ -58,8 +58,7 @@ struct Row {
 impl Run for Compare {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
-        let (least, most) = TOLERANCE_RANGE;
-        ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
+        check_tolerance(self.error)?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
         let tree = planet.tree(file.index()?.iter().map(PatchFacts::from));

@@ -1,6 +1,7 @@
 //! `terrane fly`: the planet in a window.
 
-use super::viewing::{report_messages, CameraOptions, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::drawing::DrawOptions;
+use super::viewing::{report_messages, CameraOptions, Exposure};
 use super::{pictures, Run};
 use crate::Outcome;
 use std::path::{Path, PathBuf};
@@ -17,16 +18,10 @@ pub(crate) struct Fly {
     #[command(flatten)]
     camera: CameraOptions,
     #[command(flatten)]
-    mesh: MeshOptions,
-    #[command(flatten)]
-    patches: PatchOptions,
-    #[command(flatten)]
-    look: LookOptions,
+    draw: DrawOptions,
     /// Folder for the pictures that P and F12 save.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     screenshots: PathBuf,
-    #[command(flatten)]
-    gpu: GpuOptions,
 }
 
 impl Run for Fly {
@@ -36,13 +31,13 @@ impl Run for Fly {
         let folder = self.screenshots;
         let (report, ended) = fly(FlyOptions {
             file: self.file,
-            context: self.gpu.options(),
+            context: self.draw.gpu.options(),
             camera,
-            scene: self.patches.options()?,
-            look: self.look.look(&planet.recipe, self.camera.place(), Exposure::Auto),
+            scene: self.draw.patches.options()?,
+            look: self.draw.look.look(&planet.recipe, self.camera.place(), Exposure::Auto),
             tolerance: self.camera.error,
-            geomorphs: self.mesh.geomorphs(),
-            orientation: self.mesh.orientation(),
+            geomorphs: self.draw.mesh.geomorphs(),
+            orientation: self.draw.mesh.orientation(),
             save: Box::new(move |size, pixels| save(&folder, size, pixels).map_err(|error| format!("not saved: {error:#}"))),
         });
         let reported = report_messages(&report.messages);

@@ -3,7 +3,8 @@
 mod fit;
 mod plot;
 
-use super::viewing::{CameraOptions, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::drawing::DrawOptions;
+use super::viewing::{check_tolerance, CameraOptions, Exposure};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{ensure, Context as _};
@@ -13,8 +14,7 @@ use std::path::PathBuf;
 use terrane::frame::Stage;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
-use terrane::scene::Scene;
-use terrane_planet::draw::view::{View, TOLERANCE_RANGE};
+use terrane_planet::draw::view::TOLERANCE_RANGE;
 
 /// Draw one view at ever finer tolerances, and see how the times of selection, resolution and emission grow with the awake vertices.
 ///
@@ -38,13 +38,7 @@ pub(crate) struct Growth {
     #[arg(long, value_name = "OUT.svg")]
     plot: Option<PathBuf>,
     #[command(flatten)]
-    mesh: MeshOptions,
-    #[command(flatten)]
-    patches: PatchOptions,
-    #[command(flatten)]
-    look: LookOptions,
-    #[command(flatten)]
-    gpu: GpuOptions,
+    draw: DrawOptions,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -72,30 +66,24 @@ impl Point {
 
 impl Run for Growth {
     fn run(self) -> anyhow::Result<Outcome> {
-        let (least, most) = TOLERANCE_RANGE;
-        ensure!(
-            (least..=most).contains(&self.camera.error),
-            "--error: {} is not within {least} and {most} pixels",
-            self.camera.error
-        );
+        check_tolerance(self.camera.error)?;
+        let least = TOLERANCE_RANGE.0;
         ensure!(
             (least..self.camera.error).contains(&self.finest),
             "--finest: {} is not within {least} and less than --error, {}",
             self.finest,
             self.camera.error
         );
-        let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
+        let (context, mut scene) = self.draw.open(&self.file)?;
         let camera = self.camera.camera(scene.planet())?;
         let [width, height] = camera.size;
         let mut headless = Headless::new(&context, (width, height))?;
-        let look = self.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
+        let look = self.draw.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
         let mut points = Vec::new();
         for step in 0..self.steps {
             let along = f64::from(step) / f64::from(self.steps - 1);
             let tolerance = (self.camera.error.ln() * (1.0 - along) + self.finest.ln() * along).exp();
-            let plain = View::new(camera, scene.lattice(), scene.planet().cells, tolerance);
-            let view = self.mesh.apply(plain, scene.planet());
+            let view = self.draw.view(camera, scene.planet(), tolerance);
             let costs = (0..self.repeats).map(|_| measure_frame(&mut scene, &mut headless, &view, &look));
             points.push(point(tolerance, &costs.collect::<Result<Vec<_>, _>>()?)?);
         }
@@ -110,7 +98,7 @@ impl Run for Growth {
         } else {
             print(&points, &fit);
         }
-        self.gpu.report_messages(&context)?;
+        self.draw.gpu.report_messages(&context)?;
         Ok(Outcome::Done)
     }
 }

@@ -5,6 +5,7 @@ mod bake;
 mod bench;
 mod building;
 mod compare;
+mod drawing;
 mod edit;
 mod film;
 mod fly;

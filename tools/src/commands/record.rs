@@ -1,10 +1,11 @@
 //! `terrane record`: a camera path as numbered pictures or as a film.
 
 use super::building::{stop_on_signals, Report};
+use super::drawing::DrawOptions;
 use super::film::{container, Film};
 use super::paths::load_path;
 use super::still::StillArguments;
-use super::viewing::{picture_size, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{check_tolerance, picture_size};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, ensure, Context as _};
@@ -12,12 +13,8 @@ use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
-use terrane::frame::Look;
-use terrane::scene::Scene;
 use terrane::stills::{PixelFormat, Studio};
 use terrane_planet::draw::camera_path::CameraPath;
-use terrane_planet::draw::view::{View, TOLERANCE_RANGE};
-use terrane_planet::globe::sphere::direction_at;
 
 /// What the pictures in a folder were recorded with.
 const NOTES: &str = "record.json";
@@ -52,13 +49,7 @@ pub(crate) struct Record {
     #[command(flatten)]
     still: StillArguments,
     #[command(flatten)]
-    mesh: MeshOptions,
-    #[command(flatten)]
-    patches: PatchOptions,
-    #[command(flatten)]
-    look: LookOptions,
-    #[command(flatten)]
-    gpu: GpuOptions,
+    draw: DrawOptions,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -76,8 +67,7 @@ struct Tally {
 impl Run for Record {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
-        let (least, most) = TOLERANCE_RANGE;
-        ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
+        check_tolerance(self.error)?;
         ensure!((0.1..=240.0).contains(&self.fps), "--fps: {} is not within 0.1 and 240 frames a second", self.fps);
         let path = load_path(&self.path)?;
         let (first, last) = path.span();
@@ -85,9 +75,8 @@ impl Run for Record {
         ensure!(frames <= MOST_FRAMES, "--fps: {frames} frames, expected at most {MOST_FRAMES}; choose fewer a second");
         let stop = stop_on_signals()?;
         let mut film = self.film(&path)?;
-        let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
-        let look = self.look_along(&scene, &path);
+        let (context, mut scene) = self.draw.open(&self.file)?;
+        let look = self.draw.look_along(&scene.planet().recipe, &path);
         scene.set_sun(look.sun);
         let mut studio = Studio::new(&context, self.size, self.still.options(PixelFormat::Eight))?;
         let report = Report::counting(&self.out.display().to_string(), "frames");
@@ -102,8 +91,7 @@ impl Run for Record {
             } else {
                 let stand = path.at(first + (number - 1) as f64 / self.fps);
                 let planet = scene.planet();
-                let camera = planet.camera_at(&stand, self.size);
-                let view = self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), planet);
+                let view = self.draw.view(planet.camera_at(&stand, self.size), planet, self.error);
                 let cut = scene.settle(&view)?;
                 film.add(number, &studio.draw(&scene, &view, &cut, &look, &|_, _| ())?)?;
                 tally.drawn += 1;
@@ -113,7 +101,7 @@ impl Run for Record {
         report.finish();
         film.finish()?;
         self.print(&tally, begun.elapsed().as_secs_f64(), &context.device_info().name);
-        self.gpu.report_messages(&context)?;
+        self.draw.gpu.report_messages(&context)?;
         Ok(if tally.interrupted { Outcome::Interrupted } else { Outcome::Done })
     }
 }
@@ -138,7 +126,7 @@ impl Record {
     fn check_notes(&self, notes: &Path, path: &CameraPath) -> anyhow::Result<()> {
         let ours = json!({
             "planet": self.file, "path": format!("{path:?}"), "fps": self.fps, "size": self.size, "tolerance_px": self.error,
-            "still": format!("{:?}", self.still), "mesh": format!("{:?}", self.mesh), "look": format!("{:?}", self.look),
+            "still": format!("{:?}", self.still), "mesh": format!("{:?}", self.draw.mesh), "look": format!("{:?}", self.draw.look),
         });
         if !notes.exists() {
             let text = serde_json::to_string_pretty(&ours)? + "\n";
@@ -156,12 +144,6 @@ impl Record {
             }
         }
         Ok(())
-    }
-
-    /// The look of the whole path: the sun stands still, as seen from where the path ends.
-    fn look_along(&self, scene: &Scene, path: &CameraPath) -> Look {
-        let end = path.at(path.span().1);
-        self.look.look(&scene.planet().recipe, direction_at(end.latitude, end.longitude), Exposure::Fixed(1.0))
     }
 
     fn print(&self, tally: &Tally, seconds: f64, device: &str) {

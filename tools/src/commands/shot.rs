@@ -1,10 +1,11 @@
 //! `terrane shot`: one still picture.
 
 use super::building::Report;
+use super::drawing::DrawOptions;
 use super::radiance::{write_exr, Taken};
 use super::stage_times::stage_times;
 use super::still::{format_of, StillArguments};
-use super::viewing::{CameraOptions, Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::viewing::{CameraOptions, Exposure};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
@@ -15,7 +16,6 @@ use terrane::frame::PerStage;
 use terrane::scene::Scene;
 use terrane::stills::{PixelFormat, Still, Studio};
 use terrane::vulkan::GpuInfo;
-use terrane_planet::draw::view::View;
 
 /// Render one picture of a planet without a window.
 ///
@@ -27,11 +27,7 @@ pub(crate) struct Shot {
     #[command(flatten)]
     camera: CameraOptions,
     #[command(flatten)]
-    mesh: MeshOptions,
-    #[command(flatten)]
-    patches: PatchOptions,
-    #[command(flatten)]
-    look: LookOptions,
+    draw: DrawOptions,
     #[command(flatten)]
     still: StillArguments,
     /// Bits a channel of a PNG, 8 or 16.
@@ -41,8 +37,6 @@ pub(crate) struct Shot {
     /// with exposure, camera and sun in its header.
     #[arg(long, value_name = "x.png|x.exr")]
     out: PathBuf,
-    #[command(flatten)]
-    gpu: GpuOptions,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -52,11 +46,10 @@ impl Run for Shot {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
         let format = format_of(&self.out, self.depth)?;
-        let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, self.patches.options()?)?;
+        let (context, mut scene) = self.draw.open(&self.file)?;
         let camera = self.camera.camera(scene.planet())?;
-        let view = self.mesh.apply(View::new(camera, scene.lattice(), scene.planet().cells, self.camera.error), scene.planet());
-        let look = self.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
+        let view = self.draw.view(camera, scene.planet(), self.camera.error);
+        let look = self.draw.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
         let waiting = Report::counting("patches", "so far");
         let cut = scene.settle_showing(&view, &mut |there, to_come| waiting.step(there, there + to_come, begun.elapsed()))?;
@@ -89,7 +82,7 @@ impl Run for Shot {
                 still.report.counters.wanted
             );
         }
-        self.gpu.report_messages(&context)?;
+        self.draw.gpu.report_messages(&context)?;
         Ok(Outcome::Done)
     }
 }

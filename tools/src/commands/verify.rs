@@ -1,9 +1,9 @@
 //! `terrane verify`: random views of a planet on the GPU, against the CPU and the invariants; and their screen error, with rays.
 
-use super::viewing::{GpuOptions, MeshOptions, PatchOptions};
+use super::viewing::{check_tolerance, GpuOptions, MeshOptions, PatchOptions};
 use super::Run;
 use crate::Outcome;
-use anyhow::{bail, ensure};
+use anyhow::bail;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{json, Value};
 use std::io::IsTerminal;
@@ -14,7 +14,7 @@ use terrane::scene::{Scene, SceneOptions};
 use terrane::verify::screen::ToleranceErrors;
 use terrane::verify::{ground_views, random_views, Perturbation, ScreenErrors, Verifier, VerifyReport, ViewReport, TOLERANCES};
 use terrane::vulkan::GpuInfo;
-use terrane_planet::draw::view::{View, TOLERANCE_RANGE};
+use terrane_planet::draw::view::View;
 use terrane_planet::globe::sphere::place_of;
 use terrane_planet::verify::{ErrorReadings, Probe, Reading, ScreenError};
 
@@ -64,10 +64,7 @@ pub(crate) struct Verify {
 impl Run for Verify {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
-        let (least, most) = TOLERANCE_RANGE;
-        for error in &self.error {
-            ensure!((least..=most).contains(error), "--error: {error} is not within {least} and {most} pixels");
-        }
+        self.error.iter().try_for_each(|&error| check_tolerance(error))?;
         let context = self.gpu.context()?;
         let mut scene = Scene::open(&context, &self.file, self.scene_options()?)?;
         let mut headless = Headless::new(&context, SIZE)?;

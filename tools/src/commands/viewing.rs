@@ -117,14 +117,20 @@ impl CameraOptions {
         ensure!((-90.0..=90.0).contains(&latitude), "--at: latitude {latitude} is not within -90 and 90 degrees");
         ensure!((-360.0..=360.0).contains(&longitude), "--at: longitude {longitude} is not within -360 and 360 degrees");
         ensure!((1.0..=20.0).contains(&(self.fov / 7.0)), "--fov: {} is not within 7 and 140 degrees", self.fov);
-        let (least, most) = TOLERANCE_RANGE;
-        ensure!((least..=most).contains(&self.error), "--error: {} is not within {least} and {most} pixels", self.error);
+        check_tolerance(self.error)?;
         ensure!((0.5..=1e9).contains(&altitude), "--at: altitude {altitude} is not within 0.5 and 1e9 metres");
         let [heading, pitch] = self.look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude, self.fov)]);
         ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
         let stand = Keyframe { time_s: 0.0, latitude, longitude, altitude_m: altitude, heading, pitch, fov: self.fov };
         Ok(planet.camera_at(&stand, self.size))
     }
+}
+
+/// Refuses a tolerance, in pixels, that `--error` cannot have.
+pub(crate) fn check_tolerance(error: f64) -> anyhow::Result<()> {
+    let (least, most) = TOLERANCE_RANGE;
+    ensure!((least..=most).contains(&error), "--error: {error} is not within {least} and {most} pixels");
+    Ok(())
 }
 
 /// Pitch that puts the horizon into the upper third of the picture; straight down where the whole planet fits into it.

@@ -11,7 +11,6 @@ use terrane::measure::live::{LiveFaults, LiveFlight, LiveFrame};
 use terrane::scene::Scene;
 use terrane::vulkan::Context;
 use terrane_planet::draw::camera_path::{CameraPath, Keyframe};
-use terrane_planet::draw::view::View;
 
 /// Frames at the end of the path after which nothing more is waited for.
 const MOST_FRAMES_AT_END: usize = 20_000;
@@ -43,12 +42,12 @@ impl Bench {
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
         let planet = scene.shared_planet();
-        let view = |camera| self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, self.error), &planet);
+        let view = |camera| self.draw.view(camera, &planet, self.error);
         let begun = Instant::now();
         let (mut rows, mut at_end) = (Vec::new(), Vec::new());
         let mut host = 0;
         let mut checking = 0.0;
-        let look = self.look_along(&planet.recipe, path);
+        let look = self.draw.look_along(&planet.recipe, path);
         let mut flight = LiveFlight::new(context, scene, headless, step);
         for number in 0..self.frames as usize + MOST_FRAMES_AT_END {
             let stand = path.at((first + step * number as f64).min(last));

@@ -1,0 +1,46 @@
+//! What all commands share that draw with a GPU: how the mesh follows the view, which patches there are, how the picture looks, which GPU.
+
+use super::viewing::{Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use std::path::Path;
+use std::sync::Arc;
+use terrane::frame::Look;
+use terrane::scene::Scene;
+use terrane::vulkan::Context;
+use terrane_planet::draw::camera_path::CameraPath;
+use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::planet::Planet;
+use terrane_planet::recipe::Recipe;
+
+/// How a command draws.
+#[derive(clap::Args, Clone)]
+pub(crate) struct DrawOptions {
+    #[command(flatten)]
+    pub(crate) mesh: MeshOptions,
+    #[command(flatten)]
+    pub(crate) patches: PatchOptions,
+    #[command(flatten)]
+    pub(crate) look: LookOptions,
+    #[command(flatten)]
+    pub(crate) gpu: GpuOptions,
+}
+
+impl DrawOptions {
+    /// A context without a window, and a planet file as a scene on it.
+    pub(crate) fn open(&self, file: &Path) -> anyhow::Result<(Arc<Context>, Scene)> {
+        let context = self.gpu.context()?;
+        let scene = Scene::open(&context, file, self.patches.options()?)?;
+        Ok((context, scene))
+    }
+
+    /// What a camera over a planet sees, with errors of at most `tolerance` pixels.
+    pub(crate) fn view(&self, camera: Camera, planet: &Planet, tolerance: f64) -> View {
+        self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, tolerance), planet)
+    }
+
+    /// The look of a whole path: the sun stands still, as seen from where the path ends.
+    pub(crate) fn look_along(&self, recipe: &Recipe, path: &CameraPath) -> Look {
+        let end = path.at(path.span().1);
+        self.look.look(recipe, direction_at(end.latitude, end.longitude), Exposure::Fixed(1.0))
+    }
+}
