@@ -152,7 +152,7 @@ fn jacksboro_lies_at_its_place() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes");
     let recipe = Recipe::load(&folder.join("jacksboro.toml")).unwrap();
     let file = load(&folder.join("jacksboro_fault_dem.tif")).unwrap();
-    let (terrain, place) = (Terrain::new(&recipe).unwrap(), file.place.unwrap());
+    let (terrain, place) = (Terrain::new(&recipe).unwrap(), file.grid.unwrap());
     let mut worst: f64 = 0.0;
     for (column, row) in (48..355).step_by(7).flat_map(|c| (40..304).step_by(7).map(move |r| (c, r))) {
         let [north, east] = [place.north - row as f64 * place.step_south, place.west + column as f64 * place.step_east];

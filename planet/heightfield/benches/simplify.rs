@@ -122,8 +122,8 @@ fn greedy_within(field: &Heightfield, error: f64) -> TriangleSurface {
 
 /// Quadric collapses to a number of faces.
 fn quadrics(grid: &TriangleSurface, faces: usize) -> TriangleSurface {
-    let places: Vec<[f32; 3]> = grid.positions.iter().map(|p| p.as_vec3().to_array()).collect();
-    let adapter = meshopt::VertexDataAdapter::new(bytemuck::cast_slice(&places), 12, 0).expect("packed positions");
+    let positions: Vec<[f32; 3]> = grid.positions.iter().map(|p| p.as_vec3().to_array()).collect();
+    let adapter = meshopt::VertexDataAdapter::new(bytemuck::cast_slice(&positions), 12, 0).expect("packed positions");
     let indices = meshopt::simplify(grid.faces.as_flattened(), &adapter, 3 * faces, 1e9, meshopt::SimplifyOptions::None, None);
     let faces = indices.as_chunks::<3>().0.to_vec();
     TriangleSurface { positions: grid.positions.clone(), faces }

@@ -95,8 +95,8 @@ mod tests {
     /// The rectangle of a field as a fan around `hub`, with the heights `height(x, y)`.
     fn fan(field: &Heightfield, hub: (f64, f64), height: impl Fn(f64, f64) -> f64) -> TriangleSurface {
         let (east, north) = ((field.columns() - 1) as f64, (field.rows() - 1) as f64);
-        let places = [(0.0, 0.0), (east, 0.0), (east, north), (0.0, north), hub];
-        let positions = places.iter().map(|&(x, y)| DVec3::new(x, y, height(x, y))).collect();
+        let plan = [(0.0, 0.0), (east, 0.0), (east, north), (0.0, north), hub];
+        let positions = plan.iter().map(|&(x, y)| DVec3::new(x, y, height(x, y))).collect();
         TriangleSurface { positions, faces: vec![[0, 1, 4], [1, 2, 4], [2, 3, 4], [3, 0, 4]] }
     }
 

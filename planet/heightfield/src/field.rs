@@ -47,7 +47,7 @@ impl Heightfield {
         self.heights[row * self.columns + column]
     }
 
-    /// Place of sample number `row * columns + column`: x east and y north of the south-west corner in units of one sample
+    /// Position of sample number `row * columns + column`: x east and y north of the south-west corner in units of one sample
     /// spacing, z up in the unit of the heights.
     pub fn position(&self, sample: usize) -> DVec3 {
         let (column, row) = (sample % self.columns, sample / self.columns);

@@ -59,7 +59,7 @@ pub struct HalfEdgeCollapses {
 
 /// What may happen to a vertex.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Place {
+enum VertexKind {
     Inside,
     /// Collapses along its side only.
     Side,
@@ -164,7 +164,7 @@ impl Simplifier {
 
     /// Puts a vertex into the queue unless it is there.
     fn enqueue(&mut self, v: u32) {
-        if !self.entries[v as usize].queued && self.result.place(v) != Place::Corner {
+        if !self.entries[v as usize].queued && self.result.kind(v) != VertexKind::Corner {
             let entry = &mut self.entries[v as usize];
             entry.queued = true;
             let key = entry.key;
@@ -187,7 +187,7 @@ impl Simplifier {
     }
 
     fn rank(&mut self, v: u32) -> Option<(u32, f32)> {
-        let side = self.result.place(v) == Place::Side;
+        let side = self.result.kind(v) == VertexKind::Side;
         let ring = &self.decimator.star.ring;
         let ends = [ring[0], ring[ring.len() - 1]];
         let best = self.decimator.rank(|p| !side || ends.contains(&p))?;
@@ -238,19 +238,19 @@ impl HalfEdgeCollapses {
 
     /// Faces that the collapse of a vertex removes.
     fn faces_of(&self, v: u32) -> usize {
-        match self.place(v) {
-            Place::Inside => 2,
-            Place::Side | Place::Corner => 1,
+        match self.kind(v) {
+            VertexKind::Inside => 2,
+            VertexKind::Side | VertexKind::Corner => 1,
         }
     }
 
-    fn place(&self, v: u32) -> Place {
+    fn kind(&self, v: u32) -> VertexKind {
         let (i, j) = (v as usize % self.columns, v as usize / self.columns);
         let at_end = |k: usize, length: usize| k == 0 || k == length - 1;
         match (at_end(i, self.columns), at_end(j, self.rows)) {
-            (false, false) => Place::Inside,
-            (true, true) => Place::Corner,
-            _ => Place::Side,
+            (false, false) => VertexKind::Inside,
+            (true, true) => VertexKind::Corner,
+            _ => VertexKind::Side,
         }
     }
 

@@ -95,7 +95,7 @@ mod tests {
         } else if surface.deviation(field).uncovered != 0 {
             Some("uncovered")
         } else if !corners || surface.positions.iter().any(|p| p.x.fract() != 0.0 || p.y.fract() != 0.0) {
-            Some("places")
+            Some("positions")
         } else {
             None
         }

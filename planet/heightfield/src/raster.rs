@@ -1,5 +1,5 @@
 //! Scan conversion of triangles over the samples of a heightfield. In: three corners in the coordinates of
-//! [`crate::Heightfield::position`]. Out: row by row, the two places where the triangle's sides cross the row.
+//! [`crate::Heightfield::position`]. Out: row by row, the two points where the triangle's sides cross the row.
 //!
 //! Triangles that share an edge compute the same bits for its crossings, so no sample falls between them however vertices lie
 //! off the grid, and with half-open spans every sample belongs to exactly one of them.

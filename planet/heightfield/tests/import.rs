@@ -37,16 +37,16 @@ fn formats_agree_about_the_same_terrain() {
 #[test]
 fn a_geotiff_lies_at_its_stated_place() {
     let tiff = jacksboro();
-    let place = tiff.place.unwrap();
+    let grid = tiff.grid.unwrap();
     let half = 0.5 / 1200.0;
     let near = |found: f64, expected: f64| assert!((found - expected).abs() < 1e-5, "{found}, expected {expected}");
-    near(place.west - half, -84.41375);
-    near(place.east(403) + half, -84.07792);
-    near(place.north + half, 36.73292);
-    near(place.south(344) - half, 36.44625);
+    near(grid.west - half, -84.41375);
+    near(grid.east(403) + half, -84.07792);
+    near(grid.north + half, 36.73292);
+    near(grid.south(344) - half, 36.44625);
     let [east, south] = tiff.spacing_m.unwrap();
     assert!((east - 74.5).abs() < 0.2 && (south - 92.5).abs() < 0.2, "{east} {south}");
-    assert!(load(&data("jacksboro_fault_dem.png")).unwrap().place.is_none());
+    assert!(load(&data("jacksboro_fault_dem.png")).unwrap().grid.is_none());
 }
 
 /// A tile of one slope with a gap, as SRTM distributes them.
@@ -60,9 +60,9 @@ fn an_srtm_tile_is_read() {
     let hgt = read(&tile(), "tiles/N36W085.hgt").unwrap();
     assert_eq!((hgt.format, hgt.values, hgt.no_data, hgt.range), (Format::Hgt, Values::Metres, 1, [-300.0, 900.0]));
     assert!(hgt.field.at(5, 0).is_nan() && hgt.field.at(0, 1200) == 900.0);
-    let place = hgt.place.unwrap();
-    assert_eq!((place.west, place.north, place.south(1201), place.east(1201)), (-85.0, 37.0, 36.0, -84.0));
-    assert!(read(&tile(), "somewhere.hgt").unwrap().place.is_none());
+    let grid = hgt.grid.unwrap();
+    assert_eq!((grid.west, grid.north, grid.south(1201), grid.east(1201)), (-85.0, 37.0, 36.0, -84.0));
+    assert!(read(&tile(), "somewhere.hgt").unwrap().grid.is_none());
 }
 
 /// Encodes a TIFF of 5 × 3 samples.
@@ -100,7 +100,7 @@ fn each_kind_of_tiff_is_read() {
     let levels: Vec<u16> = (0..15).map(|i| 65_000 + i).collect();
     let image = read(&tiff5x3::<colortype::Gray16>(&levels, Compression::Lzw, Some("65003")), "a").unwrap();
     assert_eq!((image.values, image.no_data), (Values::Levels { full: 65_535.0 }, 1));
-    assert!(image.field.at(3, 0).is_nan() && image.field.at(4, 2) == 65_014.0 && image.place.is_none());
+    assert!(image.field.at(3, 0).is_nan() && image.field.at(4, 2) == 65_014.0 && image.grid.is_none());
 }
 
 #[test]

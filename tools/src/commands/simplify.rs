@@ -209,7 +209,7 @@ impl Simplify {
         seconds: f64,
         levels: Vec<serde_json::Value>,
     ) -> serde_json::Value {
-        let bounds = image.place.map(|place| {
+        let bounds = image.grid.map(|place| {
             let (south, east) = (place.south(image.field.rows()), place.east(image.field.columns()));
             json!({ "west": place.west, "south": south, "east": east, "north": place.north })
         });

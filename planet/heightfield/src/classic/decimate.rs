@@ -26,7 +26,7 @@ struct Entry {
     rank: usize,
     /// Stamps of the ends when it was queued.
     stamps: [u32; 2],
-    place: DVec3,
+    position: DVec3,
 }
 
 impl Ord for Entry {
@@ -87,14 +87,14 @@ impl<C: CollapseCost> Decimation<C> {
             if entry.stamps != [a, b].map(|v| self.stamps[v as usize]) || self.mesh.face_of[a as usize] == NONE {
                 continue;
             }
-            match VertexSplit::of_edge(&self.mesh, a, b, entry.place) {
+            match VertexSplit::of_edge(&self.mesh, a, b, entry.position) {
                 Ok(split) if !split.inverts(&self.mesh, LEAST_AREA) => {
                     self.collapse(&split);
                     if self.collapses.len().is_multiple_of(1024) {
                         progress(self.collapses.len());
                     }
                 }
-                // Another place may do where this one turns a triangle over.
+                // Another position may do where this one turns a triangle over.
                 Ok(_) if self.queue_edge(a, b, entry.rank + 1) => {}
                 _ => [a, b].into_iter().for_each(|v| self.waiting[v as usize] = true),
             }
@@ -131,13 +131,13 @@ impl<C: CollapseCost> Decimation<C> {
     /// Queues an edge with its candidate of some rank; false if it has none.
     fn queue_edge(&mut self, a: u32, b: u32, rank: usize) -> bool {
         let ends = [a, b];
-        let places = ends.map(|v| self.mesh.positions[v as usize]);
-        let Some(room) = self.outline.room(ends, places) else { return false };
-        let mut candidates = self.cost.candidates(ends, places, room);
+        let positions = ends.map(|v| self.mesh.positions[v as usize]);
+        let Some(room) = self.outline.room(ends, positions) else { return false };
+        let mut candidates = self.cost.candidates(ends, positions, room);
         candidates.sort_by(|x, y| x.cost.total_cmp(&y.cost));
-        let Some(&Candidate { cost, place }) = candidates.get(rank) else { return false };
+        let Some(&Candidate { cost, position }) = candidates.get(rank) else { return false };
         let stamps = ends.map(|v| self.stamps[v as usize]);
-        self.queue.push(Entry { cost, length: places[0].distance_squared(places[1]), ends, rank, stamps, place });
+        self.queue.push(Entry { cost, length: positions[0].distance_squared(positions[1]), ends, rank, stamps, position });
         true
     }
 }

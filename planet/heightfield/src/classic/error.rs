@@ -34,7 +34,7 @@ pub enum ClassicError {
     /// A half-edge collapse is not possible.
     #[error("collapse number {step}, of sample {sample} into {into}, is not possible on the grid: {reason}")]
     Collapse {
-        /// Its place in the order, from 0.
+        /// Its index in the order, from 0.
         step: usize,
         /// The sample that collapses.
         sample: u32,

@@ -20,7 +20,7 @@ pub(super) type DirectedEdges = HashMap<(u32, u32), (u32, usize)>;
 /// A manifold triangle mesh, with or without border.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FaceMesh {
-    /// Places of the vertices.
+    /// Positions of the vertices.
     pub positions: Vec<DVec3>,
     /// Corners of the faces, counter-clockwise. Removed faces hold [`NONE`].
     pub faces: Vec<[u32; 3]>,
@@ -205,8 +205,8 @@ mod tests {
             let inside = (1..3).contains(&(vertex % 4)) && (1..3).contains(&(vertex / 4));
             assert_eq!(mesh.ring(vertex, &mut ring), inside, "vertex {vertex}");
             assert_eq!(ring.len(), mesh.star(vertex).count() + usize::from(!inside));
-            let place = |v: u32| mesh.positions[v as usize].truncate() - mesh.positions[vertex as usize].truncate();
-            assert!(ring.windows(2).all(|pair| place(pair[0]).perp_dot(place(pair[1])) > 0.0), "vertex {vertex}: {ring:?}");
+            let spoke = |v: u32| mesh.positions[v as usize].truncate() - mesh.positions[vertex as usize].truncate();
+            assert!(ring.windows(2).all(|pair| spoke(pair[0]).perp_dot(spoke(pair[1])) > 0.0), "vertex {vertex}: {ring:?}");
         }
         // The north-west corner: south, perhaps south-east, east.
         mesh.ring(0, &mut ring);

@@ -42,9 +42,9 @@ pub(super) struct Outline {
 /// Where the merger of two vertices may go.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Room {
-    /// Only this place.
-    Place(DVec3),
-    /// Anywhere that has the pinned coordinates of this place.
+    /// Only this position.
+    Point(DVec3),
+    /// Anywhere that has the pinned coordinates of this position.
     Along(DVec3, Pins),
 }
 
@@ -73,16 +73,16 @@ impl Outline {
     }
 
     /// Where the merger of `a` and `b` may go; `None` if it would leave a side or a corner.
-    pub(super) fn room(&self, [a, b]: [u32; 2], places: [DVec3; 2]) -> Option<Room> {
+    pub(super) fn room(&self, [a, b]: [u32; 2], positions: [DVec3; 2]) -> Option<Room> {
         let [pins_a, pins_b] = [self.pins(a), self.pins(b)];
         if pins_a.is_corner() || pins_b.is_corner() {
-            let (corner, place, other) = if pins_a.is_corner() { (a, places[0], b) } else { (b, places[1], a) };
-            return self.may_fall(other, corner).then_some(Room::Place(place));
+            let (corner, position, other) = if pins_a.is_corner() { (a, positions[0], b) } else { (b, positions[1], a) };
+            return self.may_fall(other, corner).then_some(Room::Point(position));
         }
         match (pins_a.0, pins_b.0) {
-            (_, 0) => Some(Room::Along(places[0], pins_a)),
-            (0, _) => Some(Room::Along(places[1], pins_b)),
-            (x, y) if x == y => Some(Room::Along(places[0], pins_a)),
+            (_, 0) => Some(Room::Along(positions[0], pins_a)),
+            (0, _) => Some(Room::Along(positions[1], pins_b)),
+            (x, y) if x == y => Some(Room::Along(positions[0], pins_a)),
             _ => None,
         }
     }

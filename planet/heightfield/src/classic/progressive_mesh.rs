@@ -78,7 +78,7 @@ impl ProgressiveMesh {
     #[allow(clippy::should_implement_trait, reason = "the name that Hoppe gave it; an iterator cannot go back")]
     pub fn next(&mut self) -> bool {
         let Some(split) = self.splits.get(self.done) else { return false };
-        self.mesh.positions.push(split.vu_place);
+        self.mesh.positions.push(split.vu_position);
         self.mesh.face_of.push(NONE);
         for _ in 0..split.new_faces() {
             self.mesh.faces.push([NONE; 3]);

@@ -1,6 +1,6 @@
 //! Quadric error metrics (Garland and Heckbert, "Surface simplification using quadric error metrics", 1997): every vertex
 //! holds the sum of the squared distances to the planes of the faces that were merged into it. In: the full mesh. Out: costs
-//! and places of mergers; the best place solves three linear equations.
+//! and positions of mergers; the best position solves three linear equations.
 
 use super::cost::{Candidate, CollapseCost};
 use super::mesh::{FaceMesh, NONE};
@@ -8,10 +8,10 @@ use super::outline::Room;
 use glam::{DMat3, DVec3};
 use std::ops::{Add, AddAssign};
 
-/// Weight of the planes that hold a border in its place, for each unit of its edges' squared lengths.
+/// Weight of the planes that hold a border where it is, for each unit of its edges' squared lengths.
 const BORDER_WEIGHT: f64 = 10.0;
 
-/// Determinants below this share of the cubed trace are those of (almost) parallel planes: no place is best.
+/// Determinants below this share of the cubed trace are those of (almost) parallel planes: no position is best.
 const LEAST_DETERMINANT: f64 = 1e-9;
 
 /// A sum of weighted squared distances to planes: pᵀ A p + 2 b·p + c.
@@ -33,13 +33,13 @@ impl Quadric {
         Quadric { a: a * weight, b: normal * (offset * weight), c: offset * offset * weight }
     }
 
-    /// The sum at a place.
-    fn at(&self, place: DVec3) -> f64 {
+    /// The sum at a position.
+    fn at(&self, position: DVec3) -> f64 {
         // Rounding may leave a tiny negative number.
-        (place.dot(self.a * place) + 2.0 * self.b.dot(place) + self.c).max(0.0)
+        (position.dot(self.a * position) + 2.0 * self.b.dot(position) + self.c).max(0.0)
     }
 
-    /// The place in `room` with the least sum, if there is just one.
+    /// The position in `room` with the least sum, if there is just one.
     fn minimum(&self, room: Room) -> Option<DVec3> {
         let Room::Along(line, pins) = room else { return None };
         let scale = (self.a.x_axis.x + self.a.y_axis.y + self.a.z_axis.z) / 3.0;
@@ -103,12 +103,12 @@ impl Quadrics {
 }
 
 impl CollapseCost for Quadrics {
-    fn candidates(&self, ends: [u32; 2], places: [DVec3; 2], room: Room) -> Vec<Candidate> {
+    fn candidates(&self, ends: [u32; 2], positions: [DVec3; 2], room: Room) -> Vec<Candidate> {
         let [a, b] = ends.map(|v| self.of_vertex[v as usize]);
         let sum = a + b;
-        let mut tried = room.choose(places, &[0.0, 1.0, 0.5]);
+        let mut tried = room.choose(positions, &[0.0, 1.0, 0.5]);
         tried.extend(sum.minimum(room));
-        tried.into_iter().map(|place| Candidate { cost: sum.at(place), place }).collect()
+        tried.into_iter().map(|position| Candidate { cost: sum.at(position), position }).collect()
     }
 
     fn merge(&mut self, vertex: u32, other: u32) {
@@ -141,15 +141,15 @@ mod tests {
         let mesh = FaceMesh::from_heightfield(&field);
         let (quadrics, outline) = (Quadrics::new(&mesh), Outline::of(&field));
         let candidates = |a: u32, b: u32| {
-            let places = [a, b].map(|v| mesh.positions[v as usize]);
-            quadrics.candidates([a, b], places, outline.room([a, b], places).unwrap())
+            let positions = [a, b].map(|v| mesh.positions[v as usize]);
+            quadrics.candidates([a, b], positions, outline.room([a, b], positions).unwrap())
         };
         let along = candidates(1, 2);
-        assert!(along.len() == 4 && along.iter().all(|c| c.place.y == 2.0), "{along:?}");
+        assert!(along.len() == 4 && along.iter().all(|c| c.position.y == 2.0), "{along:?}");
         let inwards = candidates(5, 1);
-        assert!(inwards.len() == 2 && inwards.iter().all(|c| c.place.y == 2.0), "{inwards:?}");
-        assert_eq!(candidates(1, 0).iter().map(|c| c.place).collect::<Vec<_>>(), [mesh.positions[0]]);
-        assert!(candidates(5, 6).iter().any(|c| c.place.y != 1.0));
+        assert!(inwards.len() == 2 && inwards.iter().all(|c| c.position.y == 2.0), "{inwards:?}");
+        assert_eq!(candidates(1, 0).iter().map(|c| c.position).collect::<Vec<_>>(), [mesh.positions[0]]);
+        assert!(candidates(5, 6).iter().any(|c| c.position.y != 1.0));
     }
 
     #[test]
@@ -157,8 +157,12 @@ mod tests {
         let heights = (0..25).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as f32 / 64.0).collect();
         let mesh = FaceMesh::from_heightfield(&Heightfield::new(5, 5, heights).unwrap());
         let quadrics = Quadrics::new(&mesh);
-        for (quadric, &place) in quadrics.of_vertex.iter().zip(&mesh.positions) {
-            assert!(quadric.at(place) < 1e-10 && quadric.at(place + DVec3::Z) > 0.1, "{place}: {}", quadric.at(place));
+        for (quadric, &position) in quadrics.of_vertex.iter().zip(&mesh.positions) {
+            assert!(
+                quadric.at(position) < 1e-10 && quadric.at(position + DVec3::Z) > 0.1,
+                "{position}: {}",
+                quadric.at(position)
+            );
         }
     }
 

@@ -32,12 +32,12 @@ pub struct VertexSplit {
     pub fr: u32,
     /// Neighbour faces f0 to f3, or [`NONE`]: of fl at vt and at vu, of fr at vt and at vu.
     pub f: [u32; 4],
-    /// Place of vs before the split.
-    pub vs_place: DVec3,
-    /// Place of vt after it.
-    pub vt_place: DVec3,
-    /// Place of vu after it.
-    pub vu_place: DVec3,
+    /// Position of vs before the split.
+    pub vs_position: DVec3,
+    /// Position of vt after it.
+    pub vt_position: DVec3,
+    /// Position of vu after it.
+    pub vu_position: DVec3,
 }
 
 /// Why an edge cannot collapse.
@@ -65,11 +65,11 @@ pub enum Refusal {
 }
 
 impl VertexSplit {
-    /// The split that the collapse of vu and vt into one vertex at `place` would leave behind. Changes nothing.
+    /// The split that the collapse of vu and vt into one vertex at `position` would leave behind. Changes nothing.
     ///
     /// # Errors
     /// Why the edge cannot collapse, as far as connectivity tells.
-    pub fn of_edge(mesh: &FaceMesh, vt: u32, vu: u32, place: DVec3) -> Result<VertexSplit, Refusal> {
+    pub fn of_edge(mesh: &FaceMesh, vt: u32, vu: u32, position: DVec3) -> Result<VertexSplit, Refusal> {
         let [fl, fr] = [(vt, vu), (vu, vt)].map(|(a, b)| mesh.left_of(a, b).unwrap_or(NONE));
         if fl == NONE && fr == NONE {
             return Err(Refusal::NoEdge);
@@ -81,8 +81,8 @@ impl VertexSplit {
             return Err(Refusal::LastFace);
         }
         check_link(mesh, vt, vu, [fl, fr])?;
-        let [vt_place, vu_place] = [vt, vu].map(|v| mesh.positions[v as usize]);
-        Ok(VertexSplit { vs: vt, vu, fl, fr, f, vs_place: place, vt_place, vu_place })
+        let [vt_position, vu_position] = [vt, vu].map(|v| mesh.positions[v as usize]);
+        Ok(VertexSplit { vs: vt, vu, fl, fr, f, vs_position: position, vt_position, vu_position })
     }
 
     /// The slot of vt, which is that of vs.
@@ -107,7 +107,7 @@ impl VertexSplit {
         let spoiled = |vertex: u32| {
             mesh.star(vertex).filter(|&(face, _)| face != self.fl && face != self.fr).any(|(face, corner)| {
                 let corners = mesh.faces[face as usize];
-                let [a, b] = [1, 2].map(|k| (mesh.positions[corners[(corner + k) % 3] as usize] - self.vs_place).truncate());
+                let [a, b] = [1, 2].map(|k| (mesh.positions[corners[(corner + k) % 3] as usize] - self.vs_position).truncate());
                 a.perp_dot(b) <= 2.0 * least
             })
         };
@@ -132,7 +132,7 @@ impl VertexSplit {
             mesh.faces[face as usize] = [NONE; 3];
             mesh.neighbours[face as usize] = [NONE; 3];
         }
-        mesh.positions[self.vs as usize] = self.vs_place;
+        mesh.positions[self.vs as usize] = self.vs_position;
     }
 
     /// Vertex split: vs becomes vt and vu, fl and fr appear in their slots, which are there and empty.
@@ -150,8 +150,8 @@ impl VertexSplit {
             mesh.faces[self.fr as usize] = [vu, vt, vr];
             mesh.neighbours[self.fr as usize] = [f2, f3, self.fl];
         }
-        mesh.positions[vt as usize] = self.vt_place;
-        mesh.positions[vu as usize] = self.vu_place;
+        mesh.positions[vt as usize] = self.vt_position;
+        mesh.positions[vu as usize] = self.vu_position;
         // The lowest face of either, so that a collapse finds back to the bits before the split.
         for vertex in [vt, vu] {
             mesh.face_of[vertex as usize] = if self.fl == NONE { self.fr } else { self.fl };

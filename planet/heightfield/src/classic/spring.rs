@@ -1,5 +1,5 @@
 //! Anchor springs (after Sklyar): every vertex hangs on springs to its *anchors*, the original vertices that were merged into
-//! it, and a collapse costs the energy of the springs that then pull on one vertex. In: the full mesh. Out: costs and places
+//! it, and a collapse costs the energy of the springs that then pull on one vertex. In: the full mesh. Out: costs and positions
 //! of mergers along their edge.
 //!
 //! The energy at p, Σ w |p − a|², is W |p|² − 2 p·Σ w a + Σ w |a|²: three sums, which add up when vertices merge, so that no
@@ -39,10 +39,10 @@ impl Springs {
         Springs { weight: self.weight + other.weight, pull: self.pull + other.pull, square: self.square + other.square }
     }
 
-    /// Energy of the springs if the vertex is at `place`.
-    fn energy(&self, place: DVec3) -> f64 {
+    /// Energy of the springs if the vertex is at `position`.
+    fn energy(&self, position: DVec3) -> f64 {
         // Rounding may leave a tiny negative number.
-        (self.weight * place.length_squared() - 2.0 * place.dot(self.pull) + self.square).max(0.0)
+        (self.weight * position.length_squared() - 2.0 * position.dot(self.pull) + self.square).max(0.0)
     }
 
     /// How far from a to b the energy is least.
@@ -91,11 +91,11 @@ fn slope([a, b, c]: [DVec3; 3]) -> DVec2 {
 }
 
 impl CollapseCost for AnchorSprings {
-    fn candidates(&self, ends: [u32; 2], places: [DVec3; 2], room: Room) -> Vec<Candidate> {
+    fn candidates(&self, ends: [u32; 2], positions: [DVec3; 2], room: Room) -> Vec<Candidate> {
         let [a, b] = ends.map(|v| self.of_vertex[v as usize]);
         let springs = a.and(b);
-        let tried = room.choose(places, &[0.0, 1.0, 0.5, springs.rest_between(places)]);
-        tried.into_iter().map(|place| Candidate { cost: springs.energy(place), place }).collect()
+        let tried = room.choose(positions, &[0.0, 1.0, 0.5, springs.rest_between(positions)]);
+        tried.into_iter().map(|position| Candidate { cost: springs.energy(position), position }).collect()
     }
 
     fn merge(&mut self, vertex: u32, other: u32) {
@@ -114,9 +114,9 @@ mod tests {
         let anchors = [(1.0, 2.0, 3.0, 0.5), (4.0, -1.0, 0.0, 2.0), (-2.0, 2.5, 1.0, 1.25)];
         let anchors = anchors.map(|(x, y, z, w)| (DVec3::new(x, y, z), w));
         let springs = anchors.iter().fold(Springs::default(), |sum, &(a, w)| sum.and(Springs::to_anchor(a, w)));
-        for place in [DVec3::ZERO, DVec3::new(0.3, 7.0, -2.0)] {
-            let one_by_one: f64 = anchors.iter().map(|&(a, w)| w * place.distance_squared(a)).sum();
-            assert!((springs.energy(place) - one_by_one).abs() < 1e-10);
+        for position in [DVec3::ZERO, DVec3::new(0.3, 7.0, -2.0)] {
+            let one_by_one: f64 = anchors.iter().map(|&(a, w)| w * position.distance_squared(a)).sum();
+            assert!((springs.energy(position) - one_by_one).abs() < 1e-10);
         }
     }
 

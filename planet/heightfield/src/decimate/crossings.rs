@@ -20,11 +20,11 @@ impl Samples {
         worst
     }
 
-    /// Calls `visit` with every place where the edge from sample `p` to `w` crosses an edge of the full grid: a sample beside it, the
-    /// grid's depth and the edge's. Walks from cell to cell (Amanatides and Woo 1987).
+    /// Calls `visit` with every point where the edge from sample `p` to `w` crosses an edge of the full grid: a sample beside it,
+    /// the grid's depth and the edge's. Walks from cell to cell (Amanatides and Woo 1987).
     fn crossings(&self, p: u32, w: u32, mut visit: impl FnMut(u32, f64, f64)) {
         let (start, end) = (self.at(p), self.at(w));
-        let ([c0, r0], [c1, r1]) = (self.place(p), self.place(w));
+        let ([c0, r0], [c1, r1]) = (self.column_and_row(p), self.column_and_row(w));
         if c0 == c1 || r0 == r1 {
             return;
         }
@@ -72,8 +72,8 @@ mod tests {
     /// Crossings of an edge over a 9 × 9 grid whose depth is a function.
     fn found(p: [usize; 2], w: [usize; 2], depth: impl Fn(f64, f64) -> f64) -> Vec<(f64, f64)> {
         let line: Vec<f64> = (0..9).map(f64::from).collect();
-        let places = (0..81).map(|k| (f64::from(k % 9), f64::from(k / 9)));
-        let samples = Samples::new(line.clone(), line, places.map(|(x, y)| depth(x, y)));
+        let points = (0..81).map(|k| (f64::from(k % 9), f64::from(k / 9)));
+        let samples = Samples::new(line.clone(), line, points.map(|(x, y)| depth(x, y)));
         let mut all = Vec::new();
         samples.crossings(samples.number(p[0], p[1]), samples.number(w[0], w[1]), |_, own, edge| all.push((own, edge)));
         all

@@ -4,7 +4,7 @@ use super::lanes::{Doubles, LANES};
 use super::samples::Sample;
 use multiversion::multiversion;
 
-/// How far, in doubled cells, a place may lie outside a triangle and still belong to it.
+/// How far, in doubled cells, a point may lie outside a triangle and still belong to it.
 pub const SLACK: f64 = 1e-9;
 
 /// One triangle (apex, a, b) of a fan, relative to the apex.
@@ -15,7 +15,7 @@ pub struct Wedge {
 }
 
 impl Wedge {
-    /// The triangle (apex, a, b), which must be counter-clockwise; the apex is given as place and depth.
+    /// The triangle (apex, a, b), which must be counter-clockwise; the apex is given as position and depth.
     pub fn new([x, y, q]: [f64; 3], a: &Sample, b: &Sample) -> Wedge {
         let (ra, rb) = ([a.x - x, a.y - y], [b.x - x, b.y - y]);
         let area = ra[0] * rb[1] - ra[1] * rb[0];
@@ -24,13 +24,13 @@ impl Wedge {
         Wedge { a: ra, b: rb, slope }
     }
 
-    /// How much deeper than the apex the triangle's plane is at places.
+    /// How much deeper than the apex the triangle's plane is at points.
     #[inline(always)]
     pub fn rise(&self, x: Doubles, y: Doubles) -> Doubles {
         Doubles::splat(self.slope[0]) * x + Doubles::splat(self.slope[1]) * y
     }
 
-    /// How far inside of both sides from the apex places are: doubled areas, the smaller one.
+    /// How far inside of both sides from the apex points are: doubled areas, the smaller one.
     #[inline(always)]
     fn inside_sides(&self, x: Doubles, y: Doubles) -> Doubles {
         let from_a = Doubles::splat(self.a[0]) * y - Doubles::splat(self.a[1]) * x;
@@ -66,14 +66,14 @@ impl Fan {
         self.wedges.push(Wedge::new(self.apex, a, b));
     }
 
-    /// For eight places inside the fan's polygon the triangle (by order of [`Fan::push`]) that holds each, and the depth of the fan
-    /// there. A place on the rim belongs to the nearest triangle.
+    /// For eight points inside the fan's polygon the triangle (by order of [`Fan::push`]) that holds each, and the depth of the
+    /// fan there. A point on the rim belongs to the nearest triangle.
     #[inline]
     pub fn locate(&self, x: Doubles, y: Doubles) -> ([u32; LANES], Doubles) {
         locate(self.apex, &self.wedges, x, y)
     }
 
-    /// For eight places how far inside the fan each is (doubled area, negative outside), and the depth of the fan there.
+    /// For eight points how far inside the fan each is (doubled area, negative outside), and the depth of the fan there.
     #[inline]
     pub fn cover(&self, x: Doubles, y: Doubles) -> (Doubles, Doubles) {
         cover(self.apex, &self.wedges, x, y)
@@ -92,7 +92,8 @@ fn cover(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> (Doubles, 
     (inside, depth)
 }
 
-/// The triangle that each place is furthest inside of, by a measure relative to the apex: its number, how far, and the fan's depth.
+/// The triangle that each point is furthest inside of, by a measure relative to the apex: its number, how far, and the fan's
+/// depth.
 #[inline(always)]
 fn deepest(
     apex: [f64; 3],

@@ -199,7 +199,7 @@ impl Mesh {
     }
 }
 
-/// A square of the grid and its place in it.
+/// A square of the grid and its column and row.
 struct GridCell {
     across: usize,
     along: usize,

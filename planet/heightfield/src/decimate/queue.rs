@@ -35,7 +35,7 @@ impl Queue {
 
     /// Adds a vertex. One whose turn has passed comes as soon as its tile has a turn again.
     pub fn push(&mut self, key: f32, tile: u32, v: u32) {
-        let (octave, step) = place(key);
+        let (octave, step) = octave_and_step(key);
         let now = self.current.0;
         if octave > now || tile > self.current.1 {
             self.later.entry((octave.max(now), tile)).or_default().push((key, v));
@@ -49,7 +49,7 @@ impl Queue {
 
     /// Whether a vertex with this key need not wait any longer than the one popped last.
     pub fn is_due(&self, key: f32) -> bool {
-        place(key) <= (self.current.0, self.step)
+        octave_and_step(key) <= (self.current.0, self.step)
     }
 
     /// The next vertex; those of one step by number.
@@ -65,7 +65,7 @@ impl Queue {
                     let (current, vertices) = self.later.pop_first()?;
                     (self.current, self.step) = (current, 0);
                     for (key, v) in vertices {
-                        let (octave, step) = place(key);
+                        let (octave, step) = octave_and_step(key);
                         self.steps[if octave < current.0 { 0 } else { step }].push(v);
                     }
                 }
@@ -76,7 +76,7 @@ impl Queue {
 }
 
 /// Octave and step of a key. Keys are not negative, so their bits order like numbers.
-fn place(key: f32) -> (u32, usize) {
+fn octave_and_step(key: f32) -> (u32, usize) {
     let bits = key.to_bits() >> DROPPED_BITS;
     (bits / STEPS as u32, bits as usize % STEPS)
 }

@@ -44,11 +44,11 @@ pub struct Samples {
 pub const MOST_SAMPLES_A_SIDE: usize = 1 << 16;
 
 impl Samples {
-    /// A grid with the given places of columns and rows (rising, at most [`MOST_SAMPLES_A_SIDE`] each) and depths, row by row.
+    /// A grid with the given positions of columns and rows (rising, at most [`MOST_SAMPLES_A_SIDE`] each) and depths, row by row.
     pub fn new(columns: Vec<f64>, rows: Vec<f64>, depths: impl Iterator<Item = f64>) -> Samples {
-        let places = (0..rows.len()).flat_map(|row| (0..columns.len()).map(move |column| (column, row)));
+        let grid = (0..rows.len()).flat_map(|row| (0..columns.len()).map(move |column| (column, row)));
         let stored = |((column, row), q)| Stored { q, column: column as u16, row: row as u16, next: NONE };
-        let stored = places.zip(depths).map(stored).collect();
+        let stored = grid.zip(depths).map(stored).collect();
         Samples { columns, rows, stored }
     }
 
@@ -64,7 +64,7 @@ impl Samples {
 
     /// Column and row of a sample.
     #[inline(always)]
-    pub fn place(&self, s: u32) -> [usize; 2] {
+    pub fn column_and_row(&self, s: u32) -> [usize; 2] {
         let stored = &self.stored[s as usize];
         [usize::from(stored.column), usize::from(stored.row)]
     }
@@ -75,13 +75,13 @@ impl Samples {
         (row * self.columns.len() + column) as u32
     }
 
-    /// Place of a column.
+    /// Position of a column.
     #[inline(always)]
     pub fn column(&self, column: usize) -> f64 {
         self.columns[column]
     }
 
-    /// Place of a row.
+    /// Position of a row.
     #[inline(always)]
     pub fn row(&self, row: usize) -> f64 {
         self.rows[row]

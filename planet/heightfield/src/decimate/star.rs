@@ -102,12 +102,12 @@ pub struct Star {
     pub ring: Vec<u32>,
     /// Whether the ring closes (it does not on the boundary).
     pub closed: bool,
-    /// As many as were ever needed; the first `count` places are in use.
+    /// As many as were ever needed; the first `count` are in use.
     chunks: Vec<Chunk>,
     count: usize,
     origin: Sample,
     near: Vec<Near>,
-    places: Ring,
+    positions: Ring,
     /// For every neighbour the error at the vertex alone, infinite if it does not see the whole ring.
     at_vertex: Vec<f32>,
     spokes: Vec<Spoke>,
@@ -131,7 +131,7 @@ impl Star {
         while !self.count.is_multiple_of(LANES) {
             self.add(NONE, self.origin);
         }
-        self.places.fill(samples, &self.ring, &self.origin);
+        self.positions.fill(samples, &self.ring, &self.origin);
     }
 
     /// The samples below the star, the vertex itself first.
@@ -153,7 +153,7 @@ impl Star {
 
     /// Length of the longest edge in the plane, in cells.
     pub fn longest_edge(&self) -> f32 {
-        (0..self.ring.len()).map(|k| self.places.length_squared(k)).fold(0.0, f32::max).sqrt()
+        (0..self.ring.len()).map(|k| self.positions.length_squared(k)).fold(0.0, f32::max).sqrt()
     }
 
     /// The neighbour among those allowed whose collapse has the least error; `None` if none of them sees the whole ring. `between` measures
@@ -166,7 +166,7 @@ impl Star {
         self.near.clear();
         bring_near(&self.origin, &self.chunks[..self.count / LANES], &mut self.near);
         self.at_vertex.clear();
-        errors_at_vertex(&self.places, count, &mut self.at_vertex);
+        errors_at_vertex(&self.positions, count, &mut self.at_vertex);
         for (error, &p) in self.at_vertex.iter_mut().zip(&self.ring) {
             if !allowed(p) {
                 *error = f32::INFINITY;
@@ -180,8 +180,8 @@ impl Star {
                 break;
             }
             self.at_vertex[k] = f32::INFINITY;
-            open_fan(&self.places, k..k + count, &mut self.spokes);
-            let apex = [self.places.x[k], self.places.y[k], self.places.q[k]];
+            open_fan(&self.positions, k..k + count, &mut self.spokes);
+            let apex = [self.positions.x[k], self.positions.y[k], self.positions.q[k]];
             if let Some(error) = largest_error(apex, &self.spokes, &mut self.near, limit) {
                 let between = between(&self.ring, self.ring[k]);
                 let error = error.max((between * unit) as f32);
@@ -199,7 +199,7 @@ impl Star {
         for (k, &error) in self.at_vertex.iter().enumerate() {
             let better = match least {
                 None => error < f32::INFINITY,
-                Some(l) if error == self.at_vertex[l] => self.places.length_squared(k) < self.places.length_squared(l),
+                Some(l) if error == self.at_vertex[l] => self.positions.length_squared(k) < self.positions.length_squared(l),
                 Some(l) => error < self.at_vertex[l],
             };
             if better {
@@ -222,7 +222,7 @@ fn bring_near(origin: &Sample, chunks: &[Chunk], near: &mut Vec<Near>) {
 }
 
 /// Errors at the vertex (the origin) once it has collapsed into each of its `count` neighbours, infinite for those that do not see
-/// the whole ring. Eight neighbours together: the next corner of all eight fans is the next eight places of the ring.
+/// the whole ring. Eight neighbours together: the next corner of all eight fans is the next eight neighbours of the ring.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
 fn errors_at_vertex(ring: &Ring, count: usize, errors: &mut Vec<f32>) {
     let least_area = Singles::splat(LEAST_AREA as f32);

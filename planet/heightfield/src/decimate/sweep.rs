@@ -1,8 +1,8 @@
 //! What a star looks like while its vertex slides to where it collapses to, or back.
 //!
-//! The vertex v moves on a straight line to p of its ring, and the other corners stand still. At a place in the star the surface
+//! The vertex v moves on a straight line to p of its ring, and the other corners stand still. At a point in the star the surface
 //! moves up or down as long as one triangle covers it, and turns round only when an edge from the vertex to some r of the ring passes
-//! below. At that moment the place lies on the triangle (p, v, r). So the surface is between its two ends or, at worst, on one
+//! below. At that moment the point lies on the triangle (p, v, r). So the surface is between its two ends or, at worst, on one
 //! of these triangles; between samples it is worst at their sides, which are edges of the meshes before and after.
 
 use super::fan::Wedge;
@@ -37,7 +37,8 @@ impl Sweep {
         }
     }
 
-    /// The lowest and the highest depth that an edge passes eight places of these depths with; the depths themselves where none does.
+    /// The lowest and the highest depth that an edge passes eight points of these depths with; the depths themselves where none
+    /// does.
     pub fn range(&self, x: Doubles, y: Doubles, q: Doubles) -> [Doubles; 2] {
         range(self.apex, &self.wedges, x, y, q)
     }
@@ -63,7 +64,7 @@ mod tests {
     use crate::decimate::lanes::LANES;
     use proptest::prelude::*;
 
-    /// Depth at a place of the fan from `apex` over a ring of corners.
+    /// Depth at a point of the fan from `apex` over a ring of corners.
     fn depth(apex: &Sample, ring: &[Sample], x: f64, y: f64) -> f64 {
         let mut fan = Fan::default();
         fan.start(apex);
@@ -75,14 +76,14 @@ mod tests {
         /// A convex ring of eight, the vertex anywhere well inside: nowhere on its way does the surface leave the range.
         #[test]
         fn a_slide_stays_within_its_range(heights in prop::array::uniform9(-1.0f64..1.0), at in prop::array::uniform2(-0.4f64..0.4),
-            place in prop::array::uniform2(-0.6f64..0.6)) {
+            point in prop::array::uniform2(-0.6f64..0.6)) {
             let corner = |k: usize| {
                 let (y, x) = (k as f64 * std::f64::consts::FRAC_PI_4).sin_cos();
                 Sample { x, y, q: 10.0 + heights[k] }
             };
             let ring: Vec<Sample> = (0..8).map(corner).collect();
             let v = Sample { x: at[0], y: at[1], q: 10.0 + heights[8] };
-            let [x, y] = place;
+            let [x, y] = point;
             let mut sweep = Sweep::default();
             sweep.start(&ring[0]);
             ring[2..7].iter().for_each(|r| sweep.push(&ring[0], &v, r));

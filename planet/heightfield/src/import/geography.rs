@@ -1,4 +1,4 @@
-//! Places of samples in degrees on WGS 84, and their distances in metres.
+//! Positions of samples in degrees on WGS 84, and their distances in metres.
 
 use crate::angles::sin_cos;
 use std::f64::consts::PI;

@@ -1,5 +1,5 @@
 //! Where the samples of a GeoTIFF lie (OGC GeoTIFF 1.1, 2019): a tie point and a pixel scale, in degrees on WGS 84, or in
-//! metres of a projection, of which only the spacing is kept. Anything else leaves the place unknown.
+//! metres of a projection, of which only the spacing is kept. Anything else leaves the site unknown.
 
 use super::tiff::Tiff;
 use super::{GeographicGrid, Imported};
@@ -20,8 +20,8 @@ const METRE: u16 = 9001;
 /// The UTM zones on WGS 84, north and south.
 const UTM: [std::ops::RangeInclusive<u16>; 2] = [32_601..=32_660, 32_701..=32_760];
 
-/// The image with what its tags say about its place.
-pub(super) fn placed(image: Imported, file: &mut Tiff) -> Imported {
+/// The image with what its tags say about where it lies.
+pub(super) fn georeferenced(image: Imported, file: &mut Tiff) -> Imported {
     let (columns, rows) = (image.field.columns(), image.field.rows());
     let keys = file.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default();
     let scale = file.get_tag_f64_vec(Tag::ModelPixelScaleTag).unwrap_or_default();
@@ -33,8 +33,8 @@ pub(super) fn placed(image: Imported, file: &mut Tiff) -> Imported {
             // Pixels that are areas are tied by their north-west corner; samples are their centres.
             let half = if key(&keys, RASTER_TYPE) == Some(PIXEL_IS_POINT) { 0.0 } else { 0.5 };
             let (west, north) = (longitude + (half - column) * step_east, latitude - (half - row) * step_south);
-            let place = GeographicGrid { west, north, step_east, step_south };
-            image.at(Some(place).filter(|p| p.is_sound(columns, rows)))
+            let grid = GeographicGrid { west, north, step_east, step_south };
+            image.at(Some(grid).filter(|g| g.is_sound(columns, rows)))
         }
         Some(PROJECTED) if in_metres(&keys) && [step_east, step_south].iter().all(|s| (1e-3..=1e6).contains(s)) => {
             Imported { spacing_m: Some([step_east, step_south]), ..image }

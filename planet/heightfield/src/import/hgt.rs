@@ -24,9 +24,9 @@ pub(super) fn read(source: &Source) -> Result<Imported, ImportError> {
     let heights = source.bytes.chunks_exact(2).map(height).collect();
     let tile = Imported::new(source, Format::Hgt, Values::Metres, [side, side], heights)?;
     let step = 1.0 / (side - 1) as f64;
-    let place =
+    let grid =
         corner(source.name).map(|[south, west]| GeographicGrid { west, north: south + 1.0, step_east: step, step_south: step });
-    Ok(tile.at(place))
+    Ok(tile.at(grid))
 }
 
 /// Latitude and longitude of the south-west corner, from a name such as `N36W085.hgt` or `s01e010.SRTMGL1.hgt`.

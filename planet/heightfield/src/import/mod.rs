@@ -77,7 +77,7 @@ pub struct Imported {
     /// Samples without data.
     pub no_data: usize,
     /// Where the samples lie, if the file says so in degrees on WGS 84.
-    pub place: Option<GeographicGrid>,
+    pub grid: Option<GeographicGrid>,
     /// Metres between samples from west to east and from north to south, if the file says so; at the middle latitude for
     /// a grid in degrees.
     pub spacing_m: Option<[f64; 2]>,
@@ -100,18 +100,18 @@ impl Imported {
         }
         let field = Heightfield::new(columns, rows, heights);
         let field = field.ok_or_else(|| source.refuse(Fault::Damaged, "samples missing", "columns times rows"))?;
-        Ok(Imported { format, values, field, range: [low, high], no_data, place: None, spacing_m: None })
+        Ok(Imported { format, values, field, range: [low, high], no_data, grid: None, spacing_m: None })
     }
 
-    /// The same at a place.
-    fn at(self, place: Option<GeographicGrid>) -> Imported {
-        let spacing_m = place.map(|p| p.spacing_m(self.field.rows()));
-        Imported { place, spacing_m, ..self }
+    /// The same on a geographic grid.
+    fn at(self, grid: Option<GeographicGrid>) -> Imported {
+        let spacing_m = grid.map(|g| g.spacing_m(self.field.rows()));
+        Imported { grid, spacing_m, ..self }
     }
 }
 
 /// Reads a heightfield from the bytes of a file. The format follows from the first bytes (PNG, TIFF) or from the name's
-/// extension (`raw`, `hgt`); an HGT tile's place follows from its name, such as `N36W085.hgt`.
+/// extension (`raw`, `hgt`); an HGT tile's grid follows from its name, such as `N36W085.hgt`.
 ///
 /// # Errors
 /// For bytes that are none of these formats, damaged, of a kind of image that holds no heights, smaller than 2 × 2 or

@@ -36,7 +36,7 @@ pub(super) fn read(source: &Source) -> Result<Imported, ImportError> {
     let no_data = no_data(source, &mut file)?;
     let (values, heights) = samples_of(source, &mut file, size, no_data, damaged)?;
     let image = Imported::new(source, Format::Tiff, values, size, heights)?;
-    Ok(geotiff::placed(image, &mut file))
+    Ok(geotiff::georeferenced(image, &mut file))
 }
 
 /// The declared no-data value, if any.

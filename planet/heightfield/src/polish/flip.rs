@@ -66,7 +66,7 @@ impl Flips<'_> {
     fn try_flip(&mut self, edge: u32, twin: u32) -> bool {
         let mesh = &self.mesh;
         let (a, b, c, d) = (mesh.origin(edge), mesh.origin(twin), mesh.apex(edge), mesh.apex(twin));
-        let turned = [[c, a, d], [d, b, c]].map(|corners| mesh.places(corners));
+        let turned = [[c, a, d], [d, b, c]].map(|corners| mesh.positions_of(corners));
         if turned.iter().any(|&triangle| doubled_area(triangle) <= 0.0) {
             return false;
         }

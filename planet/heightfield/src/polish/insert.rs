@@ -17,7 +17,7 @@ struct Candidate {
 }
 
 /// Inserts vertices, worst first, where residuals are above [`INSERT_ABOVE`] of the largest and at least `least` (as far as there
-/// are places for them) until there are `faces`.
+/// are samples for them) until there are `faces`.
 pub(super) fn insert_worst(mesh: &mut Triangulation, field: &Heightfield, peaks: &mut Vec<f64>, least: usize, faces: usize) {
     let bar = INSERT_ABOVE * largest(peaks);
     let wanted = |residual: f64| residual > bar || least > 0;
@@ -52,8 +52,8 @@ fn worst_sample(mesh: &Triangulation, field: &Heightfield, face: u32) -> Option<
     worst
 }
 
-fn is_at(vertex: DVec3, place: DVec3) -> bool {
-    vertex.x == place.x && vertex.y == place.y
+fn is_at(vertex: DVec3, position: DVec3) -> bool {
+    vertex.x == position.x && vertex.y == position.y
 }
 
 /// Inserts one vertex unless a face that it needs has just been changed.
@@ -64,9 +64,9 @@ fn insert(
     changed: &mut Vec<bool>,
     peaks: &mut Vec<f64>,
 ) -> bool {
-    let place = field.position(candidate.sample).with_z(candidate.height);
+    let position = field.position(candidate.sample).with_z(candidate.height);
     let [a, b, c] = mesh.triangle(candidate.face);
-    let on_edge = [[a, b, place], [b, c, place], [c, a, place]].iter().position(|&part| doubled_area(part) == 0.0);
+    let on_edge = [[a, b, position], [b, c, position], [c, a, position]].iter().position(|&part| doubled_area(part) == 0.0);
     let edge = on_edge.map(|k| 3 * candidate.face + k as u32);
     let twin = edge.and_then(|edge| mesh.twin(edge));
     let beside = twin.map_or(candidate.face, |twin| twin / 3);
@@ -74,8 +74,8 @@ fn insert(
         return false;
     }
     let touched = match edge {
-        None => mesh.split_face(candidate.face, place),
-        Some(edge) => mesh.split_edge(edge, place),
+        None => mesh.split_face(candidate.face, position),
+        Some(edge) => mesh.split_edge(edge, position),
     };
     changed.resize(mesh.capacity(), false);
     peaks.resize(mesh.capacity(), 0.0);

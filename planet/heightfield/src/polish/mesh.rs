@@ -1,8 +1,9 @@
 //! The triangulation that is polished: faces with their neighbours, and the four changes it knows: flip an edge, split a face,
 //! split an edge, collapse a vertex into a neighbour. In and out: a [`TriangleSurface`] over a whole rectangle.
 //!
-//! Half-edge `3 t + k` runs from corner k of face t to corner k + 1. Vertices stand on samples, so their places in the plane are
-//! small whole numbers and every orientation is exact; that a change turns no face around is for its caller to ask beforehand.
+//! Half-edge `3 t + k` runs from corner k of face t to corner k + 1. Vertices stand on samples, so their positions in the plane
+//! are small whole numbers and every orientation is exact; that a change turns no face around is for its caller to ask
+//! beforehand.
 
 use crate::TriangleSurface;
 use glam::DVec3;
@@ -96,10 +97,10 @@ impl Triangulation {
     }
 
     pub(super) fn triangle(&self, face: u32) -> [DVec3; 3] {
-        self.places(self.corners(face))
+        self.positions_of(self.corners(face))
     }
 
-    pub(super) fn places(&self, corners: [u32; 3]) -> [DVec3; 3] {
+    pub(super) fn positions_of(&self, corners: [u32; 3]) -> [DVec3; 3] {
         corners.map(|v| self.positions[v as usize])
     }
 
@@ -145,10 +146,10 @@ impl Triangulation {
     }
 
     /// Splits a face into three around a new vertex inside, and returns them.
-    pub(super) fn split_face(&mut self, face: u32, place: DVec3) -> Vec<u32> {
+    pub(super) fn split_face(&mut self, face: u32, position: DVec3) -> Vec<u32> {
         let [a, b, c] = self.corners(face);
         let [first, second, third] = [0, 1, 2].map(|k| self.twins[3 * face as usize + k]);
-        let v = self.add_vertex(place);
+        let v = self.add_vertex(position);
         let p = self.set(face, [a, b, v]);
         let [q, r] = [[b, c, v], [c, a, v]].map(|corners| self.add_face(corners));
         for (half, other) in [(p, first), (q, second), (r, third), (p + 1, q + 2), (q + 1, r + 2), (r + 1, p + 2)] {
@@ -158,8 +159,8 @@ impl Triangulation {
     }
 
     /// Splits an edge, and the face or two beside it, at a new vertex; returns the faces there now.
-    pub(super) fn split_edge(&mut self, edge: u32, place: DVec3) -> Vec<u32> {
-        let v = self.add_vertex(place);
+    pub(super) fn split_edge(&mut self, edge: u32, position: DVec3) -> Vec<u32> {
+        let v = self.add_vertex(position);
         let twin = self.twin(edge);
         let [near, far] = self.split_side(edge, v);
         let Some(twin) = twin else {
@@ -210,12 +211,12 @@ impl Triangulation {
         self.leaving[origin as usize] = edge;
     }
 
-    fn add_vertex(&mut self, place: DVec3) -> u32 {
+    fn add_vertex(&mut self, position: DVec3) -> u32 {
         if let Some(v) = self.free_vertices.pop() {
-            self.positions[v as usize] = place;
+            self.positions[v as usize] = position;
             return v;
         }
-        self.positions.push(place);
+        self.positions.push(position);
         self.leaving.push(NONE);
         self.positions.len() as u32 - 1
     }

@@ -59,7 +59,7 @@ fn harm(mesh: &Triangulation, field: &Heightfield, star: &[u32], edge: u32, boun
         if p == into || q == into {
             continue;
         }
-        let triangle = mesh.places([into, p, q]);
+        let triangle = mesh.positions_of([into, p, q]);
         if doubled_area(triangle) <= 0.0 || !aspect_is_kept(triangle) {
             return None;
         }

@@ -52,7 +52,7 @@ impl Place {
     fn planet(image: &Imported) -> Result<Place, Fault> {
         let (columns, rows) = (image.field.columns(), image.field.rows());
         if columns != 2 * rows {
-            let elsewhere = if image.place.is_some() { ", or `placement = \"file\"` to put it where the file says" } else { "" };
+            let elsewhere = if image.grid.is_some() { ", or `placement = \"file\"` to put it where the file says" } else { "" };
             let found = format!("{columns} x {rows} samples");
             return Err((found, format!("a whole-planet map twice as wide as high{elsewhere}")));
         }
@@ -184,7 +184,7 @@ impl Grid {
                             `latitude_deg`, `longitude_deg` and `width_m`";
             ("a file that does not state its place".to_owned(), expected.to_owned())
         };
-        let place = image.place.ok_or_else(unknown)?;
+        let place = image.grid.ok_or_else(unknown)?;
         let last = [image.field.columns() as f64 - 1.0, image.field.rows() as f64 - 1.0];
         let (south, extent) = (place.south(image.field.rows()), [place.step_east * last[0], place.step_south * last[1]]);
         let far = place.north.max(-south);
