@@ -1,5 +1,5 @@
 #version 460
-// Which vertices are awake, one bit each, and where they are drawn. Twins: planet/src/reference/select.rs, place.rs.
+// Which vertices are awake, one bit each, and where they are drawn. Twins: planet/src/reference/select.rs, position.rs.
 #extension GL_KHR_shader_subgroup_ballot : require
 #include "frame.glsl"
 
@@ -24,13 +24,13 @@ vec3 relative_to_camera(ivec3 position) {
     return result;
 }
 
-// Camera-relative place at which a vertex is drawn: on the straight way from its own place (weight 0) to its parent's (1).
-vec3 drawn_place(Vertices vertices, uint v, float weight) {
+// Camera-relative position at which a vertex is drawn: on the straight way from its own position (weight 0) to its parent's (1).
+vec3 drawn_position(Vertices vertices, uint v, float weight) {
     vec3 own = relative_to_camera(vertices.at[v].position);
     if (weight == 0.0) return own;
     vec3 parent = relative_to_camera(vertices.at[parent_of(vertices, v)].position);
-    precise vec3 place = own + (parent - own) * weight;
-    return place;
+    precise vec3 position = own + (parent - own) * weight;
+    return position;
 }
 
 bool on_coarser_side(uint grid, uint sides) {
@@ -79,11 +79,11 @@ bool is_awake(PatchVertex vertex, uint sides, out float weight) {
     return true;
 }
 
-// Whether a vertex is awake; writes where it is drawn, for sleeping ones their own place.
+// Whether a vertex is awake; writes where it is drawn, for sleeping ones their own position.
 bool select_vertex(Vertices vertices, uint v, PatchDraw target) {
     float weight;
     bool awake = is_awake(vertices.at[v], target.coarser_sides, weight);
-    places[target.resolve_offset + v] = DrawnVertex(drawn_place(vertices, v, awake ? weight : 0.0), weight);
+    places[target.resolve_offset + v] = DrawnVertex(drawn_position(vertices, v, awake ? weight : 0.0), weight);
     return awake;
 }
 

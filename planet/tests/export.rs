@@ -187,7 +187,7 @@ fn a_view_has_the_triangles_of_the_twins() {
             let vertices = &patch.vertices[..work.vertices as usize];
             let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
             let resolved = resolve(vertices, &selected.awake);
-            let drawn = emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.places);
+            let drawn = emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.drawn_positions);
             corners.extend(drawn.iter().map(|t| t.map(|v| vertices[v as usize].position)));
         }
         let surface = tiny.surface(&view, false);

@@ -108,14 +108,14 @@ fn draw(planet: &Planet, view: &View, name: &str) -> (usize, bool) {
         let patch = &planet.patches[&leaf.id].0;
         let work = patch.reach.work(view);
         let vertices = &patch.vertices[..work.vertices as usize];
-        let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+        let Selected { awake, drawn_positions } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
         let resolved = resolve(vertices, &awake);
-        check.add(vertices, &places, &emit(&whole.gpu, &patch.triangles(&work), &resolved, &places));
+        check.add(vertices, &drawn_positions, &emit(&whole.gpu, &patch.triangles(&work), &resolved, &drawn_positions));
         if !is_visible(&planet.tree, view, planet.tree.get(leaf.id).unwrap()) {
             continue;
         }
-        for triangle in emit(&view.gpu, &patch.triangles(&work), &resolved, &places) {
-            let corners = triangle.map(|v| Vec3::from_array(places[v as usize].place) * view.gpu.unit);
+        for triangle in emit(&view.gpu, &patch.triangles(&work), &resolved, &drawn_positions) {
+            let corners = triangle.map(|v| Vec3::from_array(drawn_positions[v as usize].place) * view.gpu.unit);
             assert!(corners.iter().all(|&c| (clip * c.extend(1.0)).is_finite()), "{name}: {corners:?}");
             let meets = |ray: &Ray| ray.distance_to(corners.map(|c| c.as_dvec3()), 0.0).is_some();
             covered.iter_mut().zip(&pixels).for_each(|(covered, ray)| *covered |= meets(ray));

@@ -15,7 +15,7 @@ use terrane_planet::mesh::wake::MORPH_REACH;
 use terrane_planet::query::rays::patch_surface::PatchSurface;
 use terrane_planet::query::rays::Ray;
 use terrane_planet::reference::emit::emit;
-use terrane_planet::reference::place::exact_place;
+use terrane_planet::reference::position::exact_position;
 use terrane_planet::reference::resolve::resolve;
 use terrane_planet::reference::select::select;
 
@@ -72,8 +72,8 @@ fn drawn(planet: &Planet, view: &View, leaf: &Leaf) -> DrawnPatch {
     let vertices = &patch.vertices[..work.vertices as usize];
     let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
     let resolved = resolve(vertices, &selected.awake);
-    let triangles = emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.places);
-    let place = |v: u32| exact_place(vertices, v, selected.places[v as usize].weight);
+    let triangles = emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.drawn_positions);
+    let place = |v: u32| exact_position(vertices, v, selected.drawn_positions[v as usize].weight);
     let corners: HashSet<u32> = triangles.iter().flatten().copied().collect();
     let mut places: Vec<DVec3> = corners.into_iter().map(place).collect();
     let mut random = Random::new(u64::from(leaf.id.x) << 20 | u64::from(leaf.id.y));
@@ -83,8 +83,8 @@ fn drawn(planet: &Planet, view: &View, leaf: &Leaf) -> DrawnPatch {
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
         places.push(a + (b - a) * u + (c - a) * v);
     }
-    let surface = PatchSurface::of_drawn(vertices, &selected.places, &triangles);
-    let weights = selected.places.iter().map(|drawn| drawn.weight).collect();
+    let surface = PatchSurface::of_drawn(vertices, &selected.drawn_positions, &triangles);
+    let weights = selected.drawn_positions.iter().map(|drawn| drawn.weight).collect();
     DrawnPatch { leaf: *leaf, weights, surface, places }
 }
 

@@ -119,10 +119,10 @@ fn measure(site: &Site, heading: f64, place: &dyn Fn(&View, &PatchVertex, [f32; 
     for step in 0..STEPS {
         let view = site.view(heading, step);
         for (k, patch) in site.patches.iter().enumerate() {
-            let Selected { awake, places } = select(&view.gpu, &patch.vertices, 0);
-            for v in (0..places.len()).filter(|v| awake[v / 32] >> (v % 32) & 1 == 1) {
+            let Selected { awake, drawn_positions } = select(&view.gpu, &patch.vertices, 0);
+            for v in (0..drawn_positions.len()).filter(|v| awake[v / 32] >> (v % 32) & 1 == 1) {
                 let Some(truth) = seen(&view, exact(&view, &patch.vertices, v)) else { continue };
-                let drawn = drawn(&view, place(&view, &patch.vertices[v], places[v].place));
+                let drawn = drawn(&view, place(&view, &patch.vertices[v], drawn_positions[v].place));
                 let off = [drawn[0] - truth[0], drawn[1] - truth[1]];
                 let [one, two] = before.insert((k, v), [Some(off), None]).unwrap_or_default();
                 before.insert((k, v), [Some(off), one]);
@@ -184,9 +184,9 @@ fn surface(site: &Site, view: &View, change: &dyn Fn(usize, &mut [PatchVertex]))
         let work = patch.reach.work(view);
         let mut vertices = patch.vertices[..work.vertices as usize].to_vec();
         change(k, &mut vertices);
-        let Selected { awake, places } = select(&view.gpu, &vertices, 0);
-        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(&vertices, &awake), &places);
-        check.add(&vertices, &places, &triangles);
+        let Selected { awake, drawn_positions } = select(&view.gpu, &vertices, 0);
+        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(&vertices, &awake), &drawn_positions);
+        check.add(&vertices, &drawn_positions, &triangles);
         let on = |v: u32, side: u32| on_sides(vertices[v as usize].grid(), site.planet.cells, side);
         let sides = Side::ALL.map(|side| u32::from(side.bit()) & outer_sides(k));
         let on_rim = |a, b| sides.iter().any(|&side| on(a, side) && on(b, side));

@@ -28,12 +28,14 @@ fn error_of(planet: &Planet, view: &View, cut: &Cut, resident: &dyn Fn(PatchId) 
         let mut vertices = patch.vertices.clone();
         change(planet, leaf.id, &mut vertices);
         let prefix = &vertices[..work.vertices as usize];
-        let Selected { awake, places } = select(&view.gpu, prefix, u32::from(leaf.coarser_sides));
-        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(prefix, &awake), &places);
-        patches.push((*leaf, vertices, places, triangles));
+        let Selected { awake, drawn_positions } = select(&view.gpu, prefix, u32::from(leaf.coarser_sides));
+        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(prefix, &awake), &drawn_positions);
+        patches.push((*leaf, vertices, drawn_positions, triangles));
     }
-    let drawn: Vec<Drawn> =
-        patches.iter().map(|(leaf, vertices, places, triangles)| Drawn { leaf: *leaf, vertices, places, triangles }).collect();
+    let drawn: Vec<Drawn> = patches
+        .iter()
+        .map(|(leaf, vertices, drawn_positions, triangles)| Drawn { leaf: *leaf, vertices, drawn_positions, triangles })
+        .collect();
     let meshes: HashMap<PatchId, PatchMesh> = planet.patches.iter().map(|(id, (patch, _))| (*id, patch.mesh.clone())).collect();
     let grids = GridCache::new(&planet.tree, Box::new(move |id| Ok(meshes[&id].clone())));
     let finest = FinestSurface::new(&planet.tree, resident, &grids);

@@ -18,8 +18,8 @@ const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: 
 /// Number of awake vertices and sorted triangles that a view draws of a patch, when only the vertices and triangles of `work` are read.
 fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch, work: &Work) -> (usize, Vec<[u32; 3]>) {
     let vertices = &patch.vertices[..work.vertices as usize];
-    let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-    let mut triangles = emit(&view.gpu, &patch.triangles(work), &resolve(vertices, &awake), &places);
+    let Selected { awake, drawn_positions } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+    let mut triangles = emit(&view.gpu, &patch.triangles(work), &resolve(vertices, &awake), &drawn_positions);
     triangles.sort_unstable();
     (awake.iter().map(|word| word.count_ones() as usize).sum(), triangles)
 }

@@ -145,7 +145,7 @@ fn check_surface(scene: &Scene, twins: &[Twin], frame: &FrameReport, selection: 
     let mut surface = SurfaceCheck::default();
     for ((twin, draw), triangles) in twins.iter().zip(&frame.tables.patches).zip(lists) {
         let before = surface.so_far();
-        surface.add(&twin.known.loaded.vertices, twin.places_of(draw, selection), &triangles);
+        surface.add(&twin.known.loaded.vertices, twin.drawn_positions_of(draw, selection), &triangles);
         let after = surface.so_far();
         let mismatches = twin.compare_stages(draw, selection);
         report.mismatches += mismatches;
@@ -157,7 +157,8 @@ fn check_surface(scene: &Scene, twins: &[Twin], frame: &FrameReport, selection: 
         faults.degenerate += after.degenerate - before.degenerate;
         match &twin.known.rings {
             Some(rings) if mismatches.patches == 0 => {
-                faults.closure_violations += rings.violations(twin.words_of(draw, selection), twin.places_of(draw, selection))
+                faults.closure_violations +=
+                    rings.violations(twin.words_of(draw, selection), twin.drawn_positions_of(draw, selection))
             }
             Some(_) => {}
             None => report.broken_hierarchies += 1,

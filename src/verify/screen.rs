@@ -100,8 +100,8 @@ impl Verifier {
         let mut drawn = Vec::with_capacity(twins.len());
         for (twin, triangles) in twins.iter().zip(&triangles) {
             let vertices = &twin.known.loaded.vertices;
-            surface.add(vertices, twin.places(), triangles);
-            drawn.push(Drawn { leaf: twin.leaf, vertices, places: twin.places(), triangles });
+            surface.add(vertices, twin.drawn_positions(), triangles);
+            drawn.push(Drawn { leaf: twin.leaf, vertices, drawn_positions: twin.drawn_positions(), triangles });
         }
         let finest = FinestSurface::new(tree, &|id| perturbation.is_resident(tree, id, k), &self.grids);
         // A patch that could be built, and was not asked for, is not missing.

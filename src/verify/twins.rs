@@ -53,12 +53,12 @@ impl<'a> Twin<'a> {
     /// The triangles that `view` draws, or without culling.
     pub(super) fn emit(&self, view: Option<&View>) -> Vec<[u32; 3]> {
         let view = view.map_or(&self.gpu, |view| &view.gpu);
-        emit(view, &self.triangles, &self.resolved, &self.selected.places)
+        emit(view, &self.triangles, &self.resolved, &self.selected.drawn_positions)
     }
 
     /// Where the vertices of the prefix that was selected are drawn.
-    pub(super) fn places(&self) -> &[DrawnVertex] {
-        &self.selected.places
+    pub(super) fn drawn_positions(&self) -> &[DrawnVertex] {
+        &self.selected.drawn_positions
     }
 
     pub(super) fn awake_count(&self) -> usize {
@@ -72,12 +72,13 @@ impl<'a> Twin<'a> {
     }
 
     /// Where the GPU draws the vertices of this patch.
-    pub(super) fn places_of<'s>(&self, draw: &PatchDraw, selection: &'s Selection) -> &'s [DrawnVertex] {
+    pub(super) fn drawn_positions_of<'s>(&self, draw: &PatchDraw, selection: &'s Selection) -> &'s [DrawnVertex] {
         let start = draw.resolve_offset as usize;
         &selection.places[start..start + draw.vertex_count as usize]
     }
 
-    /// Differences in table, awake bits, places and resolved vertices. Patches that were given other tables are not compared further.
+    /// Differences in table, awake bits, drawn positions and resolved vertices. Patches that were given other tables are not
+    /// compared further.
     pub(super) fn compare_stages(&self, draw: &PatchDraw, selection: &Selection) -> Mismatches {
         let tables = (draw.vertex_count, draw.coarser_sides, draw.level);
         if tables != (self.vertices.len() as u32, u32::from(self.leaf.coarser_sides), u32::from(self.leaf.id.level)) {
@@ -88,7 +89,7 @@ impl<'a> Twin<'a> {
         let differing_bits = |(a, b): (&u32, &u32)| (a ^ b).count_ones() as usize;
         Mismatches {
             awake: self.words_of(draw, selection).iter().zip(&self.selected.awake).map(differing_bits).sum(),
-            places: self.places_of(draw, selection).iter().zip(self.places()).filter(|(a, b)| a != b).count(),
+            places: self.drawn_positions_of(draw, selection).iter().zip(self.drawn_positions()).filter(|(a, b)| a != b).count(),
             resolved: resolved.iter().zip(&self.resolved).filter(|(a, b)| a != b).count(),
             ..Mismatches::default()
         }

@@ -83,7 +83,7 @@ impl Format {
     }
 }
 
-/// A welded surface and the place its coordinates start from.
+/// A welded surface and the point that its coordinates start from.
 pub struct Placed<'a> {
     /// Triangles and lattice positions.
     pub surface: &'a Welded,

@@ -17,7 +17,7 @@ use std::collections::HashMap;
 pub struct Welded {
     /// Lattice positions, in order of first use.
     pub positions: Vec<IVec3>,
-    /// Corners as places in `positions`, counter-clockwise from outside.
+    /// Corners as indices into `positions`, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
     /// Patches that any triangle came from.
     pub patches: usize,
@@ -88,5 +88,5 @@ fn drawn(view: &View, leaf: &Leaf, patch: &LoadedPatch) -> Vec<[u32; 3]> {
     let vertices = &patch.vertices[..work.vertices as usize];
     let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
     let resolved = resolve(vertices, &selected.awake);
-    emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.places)
+    emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.drawn_positions)
 }

@@ -63,7 +63,7 @@ impl WideGrid {
         WideGrid { warped, side, metres }
     }
 
-    /// The height at a place in cells from the patch's first corner, between samples bilinearly.
+    /// The height at a point in cells from the patch's first corner, between samples bilinearly.
     #[inline(always)]
     fn height(&self, x: f32, y: f32) -> f32 {
         let most = (self.side - 2) as f32;
@@ -105,7 +105,7 @@ impl WideGrids {
     }
 }
 
-/// What the relief leaves of sun and sky at the vertices of a patch, row by row.
+/// Horizon angles and ambient occlusion at the vertices of a patch, row by row.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HorizonMap {
     /// Sine of the elevation of the horizon towards the sun: ground there hides whatever is lower. Below 0 where the ground falls away.
@@ -125,9 +125,9 @@ impl HorizonMap {
         let (mut far, mut open) = (vec![0.0; coarse_row * coarse_row], vec![0.0; coarse_row * coarse_row]);
         for (k, (far, open)) in far.iter_mut().zip(&mut open).enumerate() {
             let [x, y] = [k % coarse_row, k / coarse_row].map(|c| (COARSE_STEP * c).min(row - 1));
-            let place = chain.place(x, y);
-            *far = chain.far_horizon(&place, place.towards(sun));
-            *open = chain.sky(&place);
+            let vertex = chain.vertex(x, y);
+            *far = chain.far_horizon(&vertex, vertex.towards(sun));
+            *open = chain.sky(&vertex);
         }
         let between = |values: &[f32], x: usize, y: usize| {
             let (column, line) = (x / COARSE_STEP, y / COARSE_STEP);
@@ -139,8 +139,8 @@ impl HorizonMap {
         };
         let mut map = HorizonMap { horizon: Vec::with_capacity(row * row), sky: Vec::with_capacity(row * row) };
         for (x, y) in (0..row).flat_map(|y| (0..row).map(move |x| (x, y))) {
-            let place = chain.place(x, y);
-            let tangent = chain.near_horizon(&place, place.towards(sun)).max(between(&far, x, y));
+            let vertex = chain.vertex(x, y);
+            let tangent = chain.near_horizon(&vertex, vertex.towards(sun)).max(between(&far, x, y));
             map.horizon.push(tangent / (1.0 + tangent * tangent).sqrt());
             map.sky.push(between(&open, x, y));
         }
@@ -149,7 +149,7 @@ impl HorizonMap {
 }
 
 /// A vertex and how its surroundings lie in the grid.
-struct Place {
+struct GridVertex {
     /// Cells from the patch's first corner.
     grid: [f32; 2],
     height: f32,
@@ -165,7 +165,7 @@ struct Way {
     radians: f32,
 }
 
-impl Place {
+impl GridVertex {
     /// The way along the ground towards a direction; any if it is straight above.
     fn towards(&self, target: DVec3) -> Way {
         let tangent = target - self.up * target.dot(self.up);
@@ -207,52 +207,52 @@ impl Chain {
         chain
     }
 
-    fn place(&self, x: usize, y: usize) -> Place {
+    fn vertex(&self, x: usize, y: usize) -> GridVertex {
         let own = &self.grids[0];
         let (column, row) = (x + MARGIN as usize, y + MARGIN as usize);
         let direction = |column: usize, row: usize| own.warped.direction(column, row);
         let along = (direction(column + 1, row) - direction(column - 1, row)) * 0.5;
         let across = (direction(column, row + 1) - direction(column, row - 1)) * 0.5;
         let height = own.metres[row * own.side + column];
-        Place { grid: [x as f32, y as f32], height, up: direction(column, row), axes: [along, across] }
+        GridVertex { grid: [x as f32, y as f32], height, up: direction(column, row), axes: [along, across] }
     }
 
-    /// Tangent of the elevation at which a place sees the ground so many cells away, in the density of the `k`th grid.
+    /// Tangent of the elevation at which a vertex sees the ground so many cells away, in the density of the `k`th grid.
     #[inline(always)]
-    fn tangent(&self, k: usize, place: &Place, way: Way, cells: f64) -> f32 {
+    fn tangent(&self, k: usize, vertex: &GridVertex, way: Way, cells: f64) -> f32 {
         let ([x, y], scale) = self.corners[k];
         let cells = cells as f32;
         let height = self.grids[k]
-            .height(x + place.grid[0] / scale + way.step[0] * cells, y + place.grid[1] / scale + way.step[1] * cells);
+            .height(x + vertex.grid[0] / scale + way.step[0] * cells, y + vertex.grid[1] / scale + way.step[1] * cells);
         let angle = way.radians * cells * scale;
-        (height - place.height) / (self.radius * angle) - 0.5 * angle
+        (height - vertex.height) / (self.radius * angle) - 0.5 * angle
     }
 
-    fn near_horizon(&self, place: &Place, way: Way) -> f32 {
-        let own = NEAR.iter().map(|&cells| self.tangent(0, place, way, cells)).fold(f32::MIN, f32::max);
+    fn near_horizon(&self, vertex: &GridVertex, way: Way) -> f32 {
+        let own = NEAR.iter().map(|&cells| self.tangent(0, vertex, way, cells)).fold(f32::MIN, f32::max);
         let coarser = 1..self.grids.len().min(usize::from(FINE_LEVELS) + 1);
         coarser
             .flat_map(|k| FAR.iter().map(move |&cells| (k, cells)))
-            .fold(own, |most, (k, cells)| most.max(self.tangent(k, place, way, cells)))
+            .fold(own, |most, (k, cells)| most.max(self.tangent(k, vertex, way, cells)))
     }
 
-    fn far_horizon(&self, place: &Place, way: Way) -> f32 {
+    fn far_horizon(&self, vertex: &GridVertex, way: Way) -> f32 {
         let coarser = usize::from(FINE_LEVELS) + 1..self.grids.len();
-        let look = |(k, &cells): (usize, &f64)| self.tangent(k, place, way, cells);
+        let look = |(k, &cells): (usize, &f64)| self.tangent(k, vertex, way, cells);
         coarser.flat_map(|k| FAR.iter().map(move |cells| (k, cells))).map(look).fold(-1.0, f32::max)
     }
 
     /// Share of an even sky's light: the mean over azimuths of the squared cosine of the horizon's elevation.
-    fn sky(&self, place: &Place) -> f32 {
-        let east = place.axes[0].normalize();
-        let north = place.up.cross(east);
+    fn sky(&self, vertex: &GridVertex) -> f32 {
+        let east = vertex.axes[0].normalize();
+        let north = vertex.up.cross(east);
         let open = |k: usize| {
             let angle = k as f64 * std::f64::consts::TAU / SKY_AZIMUTHS as f64;
-            let way = place.towards(east * angle.cos() + north * angle.sin());
-            let near = SKY_NEAR.iter().map(|&cells| self.tangent(0, place, way, cells)).fold(0.0, f32::max);
+            let way = vertex.towards(east * angle.cos() + north * angle.sin());
+            let near = SKY_NEAR.iter().map(|&cells| self.tangent(0, vertex, way, cells)).fold(0.0, f32::max);
             let far = 1..self.grids.len().min(usize::from(SKY_LEVELS));
             let tangent =
-                far.fold(near, |most, k| most.max(self.tangent(k, place, way, 5.0)).max(self.tangent(k, place, way, 7.0)));
+                far.fold(near, |most, k| most.max(self.tangent(k, vertex, way, 5.0)).max(self.tangent(k, vertex, way, 7.0)));
             1.0 / (1.0 + tangent * tangent)
         };
         (0..SKY_AZIMUTHS).map(open).sum::<f32>() / SKY_AZIMUTHS as f32

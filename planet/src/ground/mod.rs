@@ -31,7 +31,7 @@ pub struct GroundPoint {
     pub spacing: f64,
 }
 
-/// Colour of bare ground as a pure function of place, height and slope.
+/// Colour of bare ground as a pure function of direction, height and slope.
 pub trait GroundColour: Sync {
     /// Height of the sea's surface in metres above the datum, if there is a sea.
     fn sea_level(&self) -> Option<f64> {
@@ -82,11 +82,11 @@ impl Ground<'_> {
     pub fn points(&self, points: &[CubePoint]) -> Vec<SurfacePoint> {
         let directions: Vec<DVec3> = points.iter().map(|&p| direction(p)).collect();
         let heights = self.quantised(&directions);
-        let place = |(&d, h): (&DVec3, i32)| SurfacePoint {
+        let point = |(&d, h): (&DVec3, i32)| SurfacePoint {
             position: self.lattice.position(d, h).as_dvec3(),
             ideal: d * (self.lattice.radius + f64::from(h)),
         };
-        directions.iter().zip(heights).map(place).collect()
+        directions.iter().zip(heights).map(point).collect()
     }
 
     /// Cube units between neighbouring samples of a level (a level below the deepest is fine: half cells are whole units).
@@ -139,7 +139,7 @@ pub(crate) fn strips(side: usize) -> Vec<usize> {
 }
 
 /// Directions of a row of samples; wide instructions give the same bits, see [`crate::terrain`]. Each coordinate by itself first:
-/// places in memory that take turns would keep the division from being vectorised.
+/// addresses in memory that take turns would keep the division from being vectorised.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn fill_directions(warped: &WarpedGrid, row: usize, directions: &mut [DVec3]) {
     const RUN: usize = 32;

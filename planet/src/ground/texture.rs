@@ -132,8 +132,8 @@ fn unit(a: Vector) -> Vector {
     [a[0] / length, a[1] / length, a[2] / length]
 }
 
-/// Direction and slopes of the texel between four places (left and right on the lower row, then on the upper): along both tangents
-/// and towards the north.
+/// Direction and slopes of the texel between four points (left and right on the lower row, then on the upper): along both
+/// tangents and towards the north.
 #[inline(always)]
 fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 3]) {
     let up = unit(axes(|k| p00[k] + p10[k] + p01[k] + p11[k]));
@@ -152,8 +152,8 @@ fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 3]) 
 /// changes no bit.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes: &mut [[i8; 2]], points: &mut [GroundPoint]) {
-    let mut places = [[[0.0; RUN + 1]; 3]; 2];
-    for (r, [x, y, z]) in places.iter_mut().enumerate() {
+    let mut corners = [[[0.0; RUN + 1]; 3]; 2];
+    for (r, [x, y, z]) in corners.iter_mut().enumerate() {
         let first = (row + r) * grid.side + column;
         let samples = first..=first + slopes.len();
         for (i, (d, h)) in grid.directions[samples.clone()].iter().zip(&grid.metres[samples]).enumerate() {
@@ -163,8 +163,8 @@ fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes
     }
     let (mut ups, mut tangents) = ([[0.0; RUN]; 3], [[0.0; RUN]; 3]);
     for i in 0..RUN {
-        let place = |r: usize, i: usize| axes(|k| places[r][k][i]);
-        let (up, slope) = shape([place(0, i), place(0, i + 1), place(1, i), place(1, i + 1)], frame.axis);
+        let corner = |r: usize, i: usize| axes(|k| corners[r][k][i]);
+        let (up, slope) = shape([corner(0, i), corner(0, i + 1), corner(1, i), corner(1, i + 1)], frame.axis);
         (ups[0][i], ups[1][i], ups[2][i]) = (up[0], up[1], up[2]);
         (tangents[0][i], tangents[1][i], tangents[2][i]) = (slope[0], slope[1], slope[2]);
     }

@@ -76,7 +76,7 @@ pub fn cloud_map(recipe: &Recipe, clouds: &Clouds, side: usize) -> Vec<CloudLeve
     levels
 }
 
-/// Gives texels that lie on the same place of the octahedron the same value.
+/// Gives texels that lie on the same point of the octahedron the same value.
 fn share_edges(level: &mut CloudLevel, side: usize) {
     let last = side - 1;
     for k in 0..side / 2 {
@@ -171,17 +171,17 @@ impl Weather {
 
     /// Where the noise of a direction is looked up, wound around the storms, and what these add to the cover.
     fn wind(&self, direction: DVec3) -> (DVec3, f32) {
-        let (mut place, mut added) = (direction, 0.0);
+        let (mut wound, mut added) = (direction, 0.0);
         for storm in &self.storms {
-            let near = 1.0 - place.distance_squared(storm.centre) / (storm.radius * storm.radius);
+            let near = 1.0 - wound.distance_squared(storm.centre) / (storm.radius * storm.radius);
             if near > 0.0 {
                 let (sin, cos) = (storm.turn * near * near).sin_cos();
                 let c = storm.centre;
-                place = place * cos + c.cross(place) * sin + c * (c.dot(place) * (1.0 - cos));
+                wound = wound * cos + c.cross(wound) * sin + c * (c.dot(wound) * (1.0 - cos));
                 added += STORM_COVER * (near * near) as f32;
             }
         }
-        (place, added)
+        (wound, added)
     }
 }
 
@@ -207,7 +207,7 @@ pub fn octahedral(direction: DVec3) -> [f64; 2] {
     [(1.0 - d.y.abs()).copysign(d.x), (1.0 - d.x.abs()).copysign(d.y)]
 }
 
-/// Direction of a place of the map, both coordinates from -1 to 1.
+/// Direction of a point of the map, both coordinates from -1 to 1.
 fn unfolded(x: f64, y: f64) -> DVec3 {
     let z = 1.0 - x.abs() - y.abs();
     let (x, y) = if z >= 0.0 { (x, y) } else { ((1.0 - y.abs()) * x.signum(), (1.0 - x.abs()) * y.signum()) };
@@ -242,7 +242,7 @@ mod tests {
                 assert_eq!(level[k * side + last], level[(last - k) * side + last], "right of level {power}");
             }
         }
-        // Two texels of one place have the same direction, and a texel beside them has another.
+        // Two texels of one point have the same direction, and a texel beside them has another.
         let [a, b, c] = [unfolded(0.25, -1.0), unfolded(-0.25, -1.0), unfolded(0.25, -0.9)];
         assert!(a.distance(b) < 1e-12 && a.distance(c) > 0.05);
         for [x, y] in [[0.3, 0.2], [-0.9, 0.8], [0.7, -0.6], [-0.1, -0.95]] {

@@ -52,7 +52,7 @@ pub fn crown_map(seed: u64) -> Vec<GrainLevel> {
 fn crowns(seed: u64) -> (Vec<f32>, Vec<f32>) {
     let mut random = Random::new(seed);
     let mut draw = |low: f64, high: f64| random.range(low, high) as f32;
-    // Place within its cell, radius in cells, tint.
+    // Position within its cell, radius in cells, tint.
     let trees: Vec<[f32; 4]> =
         (0..CROWNS * CROWNS).map(|_| [draw(0.0, 1.0), draw(0.0, 1.0), draw(0.5, 0.95), draw(-1.0, 1.0)]).collect();
     let texel = |k: usize| {

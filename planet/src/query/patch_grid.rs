@@ -43,8 +43,8 @@ impl PatchGrid {
     pub fn sample(ground: &Ground, id: PatchId) -> PatchGrid {
         let warped = WarpedGrid::new(id, 0..=ground.cells as i32, ground.cells);
         let row = |row| (0..warped.columns.len()).map(move |column| (column, row));
-        let places = (0..warped.rows.len()).flat_map(row);
-        let directions: Vec<DVec3> = places.map(|(column, row)| warped.direction(column, row)).collect();
+        let samples = (0..warped.rows.len()).flat_map(row);
+        let directions: Vec<DVec3> = samples.map(|(column, row)| warped.direction(column, row)).collect();
         let heights = ground.quantised(&directions);
         PatchGrid::new(id, ground.lattice, warped, heights)
     }

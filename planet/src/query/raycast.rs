@@ -14,7 +14,7 @@ use glam::DVec3;
 /// Lattice units by which rounded corners may lie aside of where they should: what is no deeper below the ground is not below.
 const SURFACE: f64 = 2.0;
 
-/// Lattice units from the side that a ray leaves a leaf by to a place that surely is in the next one.
+/// Lattice units from the side that a ray leaves a leaf by to a point that surely is in the next one.
 const SIDESTEP: f64 = 1e-3;
 
 /// Lattice units within which a ray that crosses two sides passes through their corner.
@@ -25,7 +25,7 @@ const CORNER: f64 = 1.0;
 pub struct GroundHit {
     /// Metres from the ray's origin; 0 if that lies in the ground.
     pub distance: f64,
-    /// The place in planet-fixed metres.
+    /// The position in planet-fixed metres.
     pub position: DVec3,
     /// Metres above the datum.
     pub height: f64,
@@ -44,11 +44,11 @@ impl KnownGround {
         // Distances from nearby, so that they are exact however far away the ray begins.
         let near = Ray { origin: ray.at(enter), ..ray };
         let (distance, patch) = self.walk(&near, leave - enter)?;
-        let place = near.at(distance);
+        let hit = near.at(distance);
         Some(GroundHit {
             distance: (enter + distance) * self.lattice.unit,
-            position: place * self.lattice.unit,
-            height: (place.length() - self.lattice.radius) * self.lattice.unit,
+            position: hit * self.lattice.unit,
+            height: (hit.length() - self.lattice.radius) * self.lattice.unit,
             patch,
             spacing: self.spacing(patch.level),
         })

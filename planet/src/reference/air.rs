@@ -33,7 +33,7 @@ pub struct Air {
     multiple: Vec<DVec3>,
 }
 
-/// What is at a place, per metre.
+/// What the air is at a height, per metre.
 struct Medium {
     rayleigh: DVec3,
     mie: DVec3,
@@ -90,10 +90,10 @@ impl Air {
         Medium { rayleigh, mie: self.mie * haze, extinction: rayleigh + self.mie_extinction * haze + self.ozone * ozone }
     }
 
-    /// Share of the sunlight that arrives at a place.
-    fn sunlight(&self, place: DVec3, sun: DVec3, steps: usize) -> DVec3 {
-        let r = place.length();
-        let c = place.dot(sun) / r;
+    /// Share of the sunlight that arrives at a position.
+    fn sunlight(&self, position: DVec3, sun: DVec3, steps: usize) -> DVec3 {
+        let r = position.length();
+        let c = position.dot(sun) / r;
         let visible = self.sun_visibility(r, c);
         if visible <= 0.0 {
             return DVec3::ZERO;
@@ -107,7 +107,7 @@ impl Air {
             for k in 0..if from == to { 0 } else { steps } {
                 let (a, b) = (k as f64 / steps as f64, (k + 1) as f64 / steps as f64);
                 let t = from + (to - from) * (0.5 * (a + b)).powi(2);
-                depth += self.medium((place + sun * t).length()).extinction * ((to - from).abs() * (b * b - a * a));
+                depth += self.medium((position + sun * t).length()).extinction * ((to - from).abs() * (b * b - a * a));
             }
         }
         exp(-depth) * visible
@@ -155,12 +155,12 @@ impl Air {
         for k in 0..STEPS.0 {
             let share = |k: usize| unspread(k as f64 / STEPS.0 as f64);
             let (from, to) = (start + whole * share(k), start + whole * share(k + 1));
-            let place = eye + ray * (0.5 * (from + to));
-            let medium = self.medium(place.length());
+            let position = eye + ray * (0.5 * (from + to));
+            let medium = self.medium(position.length());
             let here = exp(-medium.extinction * (to - from));
-            let single = self.sunlight(place, sun, STEPS.1) * (medium.rayleigh * rayleigh_phase + medium.mie * mie_phase);
+            let single = self.sunlight(position, sun, STEPS.1) * (medium.rayleigh * rayleigh_phase + medium.mie * mie_phase);
             let scattering = medium.rayleigh + medium.mie;
-            let source = SUN * (single + scattering * self.multiple_at(place, sun)) + DVec3::from_array(NIGHT) / PI * scattering;
+            let source = SUN * (single + scattering * self.multiple_at(position, sun)) + DVec3::from_array(NIGHT) / PI * scattering;
             scattered += passed * (DVec3::ONE - here) * source / medium.extinction.max(DVec3::splat(1e-30));
             passed *= here;
         }
@@ -206,12 +206,12 @@ impl Air {
         let Some((start, end, meets)) = self.span(eye, ray) else { return (second, share) };
         for k in 0..MULTIPLE_STEPS {
             let at = |k: i32| start + (end - start) * unspread(f64::from(k) / f64::from(MULTIPLE_STEPS));
-            let place = eye + ray * (0.5 * (at(k) + at(k + 1)));
-            let medium = self.medium(place.length());
+            let position = eye + ray * (0.5 * (at(k) + at(k + 1)));
+            let medium = self.medium(position.length());
             let here = exp(-medium.extinction * (at(k + 1) - at(k)));
             let weight =
                 passed * (DVec3::ONE - here) * (medium.rayleigh + medium.mie) / medium.extinction.max(DVec3::splat(1e-30));
-            second += weight * self.sunlight(place, sun, MULTIPLE_SUN_STEPS) / (4.0 * PI);
+            second += weight * self.sunlight(position, sun, MULTIPLE_SUN_STEPS) / (4.0 * PI);
             share += weight;
             passed *= here;
         }
@@ -223,10 +223,10 @@ impl Air {
         (second, share)
     }
 
-    fn multiple_at(&self, place: DVec3, sun: DVec3) -> DVec3 {
+    fn multiple_at(&self, position: DVec3, sun: DVec3) -> DVec3 {
         let (elevations, heights) = MULTIPLE;
-        let r = place.length();
-        let c = place.dot(sun) / r;
+        let r = position.length();
+        let c = position.dot(sun) / r;
         let x = (0.5 + 0.5 * c.signum() * c.abs().sqrt()) * (elevations - 1) as f64;
         let y = ((r - self.bottom).max(0.0) / (self.top - self.bottom)).sqrt().min(1.0) * (heights - 1) as f64;
         let (i, j) = ((x as usize).min(elevations - 2), (y as usize).min(heights - 2));

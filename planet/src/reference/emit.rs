@@ -4,17 +4,17 @@ use crate::draw::layout::{DrawnVertex, FrameView, BACK_SLACK, CULL_BACK, CULL_FR
 use glam::Vec3;
 
 /// Triangles of an index level with every corner replaced by the vertex it is drawn as; degenerate and culled ones dropped.
-pub fn emit(view: &FrameView, triangles: &[[u16; 3]], resolved: &[u32], places: &[DrawnVertex]) -> Vec<[u32; 3]> {
+pub fn emit(view: &FrameView, triangles: &[[u16; 3]], resolved: &[u32], drawn_positions: &[DrawnVertex]) -> Vec<[u32; 3]> {
     let drawn = |t: &[u16; 3]| t.map(|v| resolved[usize::from(v)]);
-    let keep = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a && !is_culled(view, places, [a, b, c]);
+    let keep = |&[a, b, c]: &[u32; 3]| a != b && b != c && c != a && !is_culled(view, drawn_positions, [a, b, c]);
     triangles.iter().map(drawn).filter(keep).collect()
 }
 
-fn is_culled(view: &FrameView, places: &[DrawnVertex], triangle: [u32; 3]) -> bool {
+fn is_culled(view: &FrameView, drawn_positions: &[DrawnVertex], triangle: [u32; 3]) -> bool {
     if view.culling == 0 {
         return false;
     }
-    let [a, b, c] = triangle.map(|v| Vec3::from_array(places[v as usize].place));
+    let [a, b, c] = triangle.map(|v| Vec3::from_array(drawn_positions[v as usize].place));
     let beyond = |n: &[f32; 3]| [a, b, c].iter().all(|p| p.x * n[0] + p.y * n[1] + p.z * n[2] > 0.0);
     (view.culling & CULL_FRUSTUM != 0 && view.planes.iter().any(beyond)) || (view.culling & CULL_BACK != 0 && faces_away(a, b, c))
 }

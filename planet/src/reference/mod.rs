@@ -2,7 +2,7 @@
 
 pub mod air;
 pub mod emit;
-pub mod place;
+pub mod position;
 pub mod resolve;
 pub mod select;
 pub mod tonemap;

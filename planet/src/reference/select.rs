@@ -2,7 +2,7 @@
 //!
 //! Every operation is a single-precision IEEE operation in the order of the shader, which marks them `precise`.
 
-use super::place::{drawn_place, relative};
+use super::position::{drawn_position, relative};
 use crate::draw::layout::{high16, DrawnVertex, FrameView, PatchVertex};
 use crate::globe::patch::Side;
 use crate::mesh::wake::{Wake, MANTISSA_BITS};
@@ -14,7 +14,7 @@ pub struct Selected {
     /// Awake bits, 32 a word.
     pub awake: Vec<u32>,
     /// Where each vertex is drawn.
-    pub places: Vec<DrawnVertex>,
+    pub drawn_positions: Vec<DrawnVertex>,
 }
 
 #[inline]
@@ -36,7 +36,7 @@ pub fn on_sides(grid: u32, cells: u32, sides: u32) -> bool {
     (on(Side::Left) && i == 0) || (on(Side::Right) && i == cells) || (on(Side::Bottom) && j == 0) || (on(Side::Top) && j == cells)
 }
 
-/// The morph weight (see [`super::place`]) of a vertex that is awake; `None` if it sleeps.
+/// The morph weight (see [`super::position`]) of a vertex that is awake; `None` if it sleeps.
 #[inline]
 pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) -> Option<f32> {
     let coarser = coarser_sides != 0 && on_sides(vertex.grid(), view.cells, coarser_sides);
@@ -77,12 +77,13 @@ fn oriented_distance(view: &FrameView, p: Vec3) -> f32 {
 
 /// Selects among the first `vertices.len()` vertices of a patch.
 pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) -> Selected {
-    let mut selected = Selected { awake: vec![0; vertices.len().div_ceil(32)], places: Vec::with_capacity(vertices.len()) };
+    let mut selected =
+        Selected { awake: vec![0; vertices.len().div_ceil(32)], drawn_positions: Vec::with_capacity(vertices.len()) };
     for (k, vertex) in vertices.iter().enumerate() {
         let weight = morph_weight(view, vertex, coarser_sides);
         selected.awake[k / 32] |= u32::from(weight.is_some()) << (k % 32);
-        let place = drawn_place(view, vertices, k as u32, weight.unwrap_or(0.0)).to_array();
-        selected.places.push(DrawnVertex { place, weight: weight.unwrap_or(1.0) });
+        let place = drawn_position(view, vertices, k as u32, weight.unwrap_or(0.0)).to_array();
+        selected.drawn_positions.push(DrawnVertex { place, weight: weight.unwrap_or(1.0) });
     }
     selected
 }
@@ -100,9 +101,9 @@ mod tests {
         let camera = Camera::looking(DVec3::new(6.4e6, 0.0, 0.0), 0.0, -90.0, 1.0, [1280, 720]);
         let view = View::new(camera, &Lattice::new(6.371e6, 9e3), 128, 0.7);
         let wake = Wake::round_up(1e5);
-        let place = view.eye + view.camera.forward * (share * view.scale * wake.distance());
+        let position = view.eye + view.camera.forward * (share * view.scale * wake.distance());
         let vertex = PatchVertex {
-            position: place.round().as_ivec3().to_array(),
+            position: position.round().as_ivec3().to_array(),
             grid_own: u32::from(wake.code()) << 16,
             ..Default::default()
         };

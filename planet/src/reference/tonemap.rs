@@ -28,7 +28,8 @@ fn filmic(color: Vec3) -> Vec3 {
     (Mat3::from_cols_array(&TONE_UNMIX) * (grey + TONE_SATURATION * (x - grey))).clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// What the shader adds to 8-bit pictures against banding, in steps: interleaved gradient noise (Jimenez 2014) of the pixel at a place.
+/// What the shader adds to 8-bit pictures against banding, in steps: interleaved gradient noise (Jimenez 2014) of the pixel at a
+/// position.
 pub fn dither(x: u32, y: u32) -> f32 {
     let [column, row, factor] = DITHER;
     let at = (x as f32 + 0.5) * column + (y as f32 + 0.5) * row;

@@ -11,7 +11,7 @@ const STEPS_PER_PIXEL: f64 = 1e6;
 /// Largest reading that a histogram tells from larger ones, in pixels.
 const MOST_PIXELS: f64 = 1e9;
 
-/// How a place was chosen to be measured.
+/// How a point was chosen to be measured.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Probe {
     /// A camera ray through a random pixel.
@@ -32,16 +32,16 @@ impl fmt::Display for Probe {
     }
 }
 
-/// One measured place.
+/// One measured point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reading {
     /// Angle between the drawn and the finest surface, seen by the camera, in pixels of the picture's middle.
     pub pixels: f64,
     /// Drawn patch.
     pub patch: PatchId,
-    /// How the place was chosen.
+    /// How the point was chosen.
     pub probe: Probe,
-    /// Unit direction of the place.
+    /// Unit direction of the point.
     pub direction: DVec3,
     /// Distance of the drawn surface from the planet's centre in metres.
     pub drawn_m: f64,
@@ -106,7 +106,7 @@ impl ErrorReadings {
         self.worst.iter().flatten().max_by(|a, b| a.pixels.total_cmp(&b.pixels))
     }
 
-    /// The largest reading of places chosen in one way, in pixels; 0 without any.
+    /// The largest reading of points chosen in one way, in pixels; 0 without any.
     pub fn max_of(&self, probe: Probe) -> f64 {
         self.worst[probe as usize].map_or(0.0, |worst| worst.pixels)
     }

@@ -1,4 +1,4 @@
-//! Checks of the invariants on drawn meshes, in the places where they are drawn: watertight by bits, nothing flipped or degenerate,
+//! Checks of the invariants on drawn meshes, at drawn positions: watertight by bits, nothing flipped or degenerate,
 //! closure kept; and the screen error, measured with rays against the finest resident surface.
 
 pub mod error_readings;
@@ -35,15 +35,15 @@ impl Rings {
         Some(rings)
     }
 
-    /// Number of pairs of an awake vertex and a member of its ring that is not in its own place: 0 when the awake set is closed.
-    /// `awake` and `places` cover a prefix; the others sleep.
-    pub fn violations(&self, awake: &[u32], places: &[DrawnVertex]) -> usize {
-        let in_place = |r: u16| places.get(usize::from(r)).is_some_and(|drawn| drawn.weight == 0.0);
+    /// Number of pairs of an awake vertex and a member of its ring that is not in its own position: 0 when the awake set is
+    /// closed. `awake` and `drawn_positions` cover a prefix; the others sleep.
+    pub fn violations(&self, awake: &[u32], drawn_positions: &[DrawnVertex]) -> usize {
+        let in_own_position = |r: u16| drawn_positions.get(usize::from(r)).is_some_and(|drawn| drawn.weight == 0.0);
         let moved_in_ring = |v: usize| {
             let members = &self.members[self.start[v] as usize..self.start[v + 1] as usize];
-            members.iter().filter(|&&r| !in_place(r)).count()
+            members.iter().filter(|&&r| !in_own_position(r)).count()
         };
-        let count = places.len().min(self.start.len() - 1);
+        let count = drawn_positions.len().min(self.start.len() - 1);
         (0..count).filter(|&v| bit(awake, v as u32)).map(moved_in_ring).sum()
     }
 }

@@ -1,4 +1,4 @@
-//! Random views for verification: from orbit to just above the ground, and over the places where things go wrong.
+//! Random views for verification: from orbit to just above the ground, and over the sites where things go wrong.
 
 use crate::draw::tree::PatchTree;
 use crate::draw::view::Camera;
@@ -24,8 +24,8 @@ impl<'a> RandomViews<'a> {
         RandomViews { random: Random::new(seed), count: 0, patches, radius: tree.lattice.radius * tree.lattice.unit, height }
     }
 
-    /// Places in turn: anywhere, on a face edge, at a face corner, on the rim of one of the finest patches.
-    fn place(&mut self) -> DVec3 {
+    /// Sites in turn: anywhere, on a face edge, at a face corner, on the rim of one of the finest patches.
+    fn site(&mut self) -> DVec3 {
         let random = &mut self.random;
         let sign = |bits: u64| if bits & 1 == 0 { ONE } else { -ONE };
         match self.count % 4 {
@@ -50,12 +50,12 @@ impl Iterator for RandomViews<'_> {
     type Item = Camera;
 
     fn next(&mut self) -> Option<Camera> {
-        let place = self.place();
+        let site = self.site();
         self.count += 1;
         let random = &mut self.random;
         // Altitudes spread evenly over the scales from 2 m to 3 radii.
         let altitude = 2.0 * (3.0 * self.radius / 2.0).powf(random.unit());
-        let position = place * (self.radius + (self.height)(place) + altitude);
+        let position = site * (self.radius + (self.height)(site) + altitude);
         let steepest = if altitude > 0.2 * self.radius { -60.0 } else { 5.0 };
         let (heading, pitch) = (random.range(0.0, 360.0), random.range(-90.0, steepest));
         let fov = random.range(35.0, 75.0).to_radians();
@@ -66,25 +66,25 @@ impl Iterator for RandomViews<'_> {
 /// Highest camera of [`ground_views`] in metres.
 const NEAR_GROUND: f64 = 3000.0;
 
-/// Places tried for one on dry land.
+/// Sites tried for one on dry land.
 const TRIES: usize = 1000;
 
-/// Cameras from 2 m to 3 km above `places` random places on dry land (as far as a thousand tries find some), `count` altogether, those
-/// of a place one after the other and the lowest first. `height` gives metres above the datum, and `sea` is the sea's.
-pub fn ground_views(seed: u64, places: usize, count: usize, radius: f64, sea: f64, height: &dyn Fn(DVec3) -> f64) -> Vec<Camera> {
+/// Cameras from 2 m to 3 km above `sites` random sites on dry land (as far as a thousand tries find some), `count` altogether,
+/// those of a site one after the other and the lowest first. `height` gives metres above the datum, and `sea` is the sea's.
+pub fn ground_views(seed: u64, sites: usize, count: usize, radius: f64, sea: f64, height: &dyn Fn(DVec3) -> f64) -> Vec<Camera> {
     let mut random = Random::new(seed);
     let mut cameras = Vec::with_capacity(count);
-    for nth in 0..places {
-        let mut place = random.direction();
+    for nth in 0..sites {
+        let mut site = random.direction();
         for _ in 0..TRIES {
-            if height(place) > sea {
+            if height(site) > sea {
                 break;
             }
-            place = random.direction();
+            site = random.direction();
         }
-        for k in 0..(nth + 1) * count / places - nth * count / places {
-            // Up to 10 m aside: no two views of a place look at the same triangles.
-            let beside = (place + random.direction() * (10.0 / radius)).normalize();
+        for k in 0..(nth + 1) * count / sites - nth * count / sites {
+            // Up to 10 m aside: no two views of a site look at the same triangles.
+            let beside = (site + random.direction() * (10.0 / radius)).normalize();
             let altitude = if k == 0 { 2.0 } else { 2.0 * (NEAR_GROUND / 2.0).powf(random.unit()) };
             let position = beside * (radius + height(beside) + altitude);
             let (heading, pitch) = (random.range(0.0, 360.0), random.range(-70.0, 5.0));

@@ -5,7 +5,7 @@
 //!
 //! Measured are the hits of camera rays through random pixels, every vertex of the drawn patches that sleeps or slides, and samples of
 //! finer resident patches than the drawn ones; of both, those inside the frustum that the planet's ball does not hide
-//! (hills hide nothing: stricter than what is seen). Through each place a ray from the planet's centre meets both surfaces;
+//! (hills hide nothing: stricter than what is seen). Through each point a ray from the planet's centre meets both surfaces;
 //! their distance over that of the nearer one to the camera is the error, in radians and then in pixels of the
 //! picture's middle; in views with the orientation term it is the angle between the two.
 
@@ -49,8 +49,8 @@ pub struct Drawn<'a> {
     /// All vertices in wake order.
     pub vertices: &'a [PatchVertex],
     /// Where a prefix of them is drawn; the others sleep.
-    pub places: &'a [DrawnVertex],
-    /// Triangles, as places in `vertices`.
+    pub drawn_positions: &'a [DrawnVertex],
+    /// Triangles, as vertex indices.
     pub triangles: &'a [[u32; 3]],
 }
 
@@ -62,7 +62,7 @@ pub struct ScreenError {
     /// Readings on triangles that end on a side beside a coarser patch whose children are missing: vertices that only the finer
     /// patch has must sleep there however near they are.
     pub at_data_rim: ErrorReadings,
-    /// Places where one of the two surfaces was not met at all.
+    /// Points where one of the two surfaces was not met at all.
     pub missed: usize,
 }
 
@@ -92,7 +92,7 @@ pub fn measure(
     is_missing: &dyn Fn(PatchId) -> bool,
     effort: Effort,
 ) -> Result<ScreenError, StoreError> {
-    let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.places, d.triangles)).collect();
+    let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.drawn_positions, d.triangles)).collect();
     let boxes: Vec<LatticeBox> = surfaces.iter().map(|surface| surface.bounds).collect();
     let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, node));
     let rim_sides = |d: &Drawn| sides_beside(&d.leaf, is_missing).into();
@@ -120,7 +120,7 @@ struct Hit {
     distance: f64,
     /// Number of its patch among those drawn.
     k: usize,
-    /// `None` for a place on its border that its own triangles miss by a rounding.
+    /// `None` for a point on its border that its own triangles miss by a rounding.
     triangle: Option<[u32; 3]>,
 }
 
@@ -138,12 +138,13 @@ struct Judge<'a, 'f> {
 }
 
 impl Judge<'_, '_> {
-    /// Every vertex of a drawn patch that is not in its place: the finest surface has it, or one that deviates from it as it does there.
+    /// Every vertex of a drawn patch that is not in its own position: the finest surface has it, or one that deviates from it as
+    /// it does there.
     fn sleepers(&self, k: usize) -> ScreenError {
-        let Drawn { vertices, places, .. } = &self.drawn[k];
-        let away = |&v: &usize| places.get(v).is_none_or(|drawn| drawn.weight > 0.0);
-        let places = (0..vertices.len()).filter(away).map(|v| IVec3::from_array(vertices[v].position));
-        self.samples(k, Probe::Sleeper, places)
+        let Drawn { vertices, drawn_positions, .. } = &self.drawn[k];
+        let away = |&v: &usize| drawn_positions.get(v).is_none_or(|drawn| drawn.weight > 0.0);
+        let points = (0..vertices.len()).filter(away).map(|v| IVec3::from_array(vertices[v].position));
+        self.samples(k, Probe::Sleeper, points)
     }
 
     /// Finer resident patches to take samples of, each with the drawn patch above it and a seed.
@@ -167,21 +168,21 @@ impl Judge<'_, '_> {
     fn finer_samples(&self, k: usize, id: PatchId, mut random: Random) -> Result<ScreenError, StoreError> {
         let grid = self.finest.grid(id)?;
         let count = grid.positions.len();
-        let places = (0..SAMPLES_A_PATCH).map(|_| grid.positions[random.bits() as usize % count]);
-        Ok(self.samples(k, Probe::FinerSample, places))
+        let points = (0..SAMPLES_A_PATCH).map(|_| grid.positions[random.bits() as usize % count]);
+        Ok(self.samples(k, Probe::FinerSample, points))
     }
 
     /// Samples of the finest surface over a drawn patch.
-    fn samples(&self, k: usize, probe: Probe, places: impl Iterator<Item = IVec3>) -> ScreenError {
+    fn samples(&self, k: usize, probe: Probe, points: impl Iterator<Item = IVec3>) -> ScreenError {
         let mut error = ScreenError::default();
-        for place in places.map(|p| p.as_dvec3()).filter(|&p| is_in_view(self.view, self.tree, p)) {
-            let ray = Ray::radial(place);
+        for point in points.map(|p| p.as_dvec3()).filter(|&p| is_in_view(self.view, self.tree, p)) {
+            let ray = Ray::radial(point);
             // A sample on a border may lie a rounding beyond it, over the neighbour.
             let own =
                 self.surfaces[k].nearest_triangle(&ray).map(|(distance, triangle)| Hit { distance, k, triangle: Some(triangle) });
             let hit = own.or_else(|| self.hit(&ray).map(|beyond| Hit { k, triangle: None, ..beyond }));
             let drawn = hit.map(|hit| (hit.distance, hit));
-            self.note(&mut error, probe, place, drawn, Some(place.length()));
+            self.note(&mut error, probe, point, drawn, Some(point.length()));
         }
         error
     }
@@ -194,11 +195,11 @@ impl Judge<'_, '_> {
             let across = camera.right() * (h * random.range(-1.0, 1.0)) + camera.up * (v * random.range(-1.0, 1.0));
             let ray = Ray { origin: self.view.eye, direction: (camera.forward + across).normalize() };
             let Some(hit) = self.hit(&ray) else { continue };
-            let place = ray.origin + ray.direction * hit.distance;
-            if !is_in_view(self.view, self.tree, place) {
+            let point = ray.origin + ray.direction * hit.distance;
+            if !is_in_view(self.view, self.tree, point) {
                 continue;
             }
-            self.note(&mut error, Probe::Pixel, place, Some((place.length(), hit)), self.finest.radius(place)?);
+            self.note(&mut error, Probe::Pixel, point, Some((point.length(), hit)), self.finest.radius(point)?);
         }
         Ok(error)
     }
@@ -218,18 +219,18 @@ impl Judge<'_, '_> {
 
     /// Whether a drawn triangle ends on a side beside missing data, or slides from there.
     fn is_at_rim(&self, hit: &Hit) -> bool {
-        let Drawn { vertices, places, .. } = self.drawn[hit.k];
+        let Drawn { vertices, drawn_positions, .. } = self.drawn[hit.k];
         let on_rim = |v: u32| on_sides(vertices[v as usize].grid(), self.tree.cells, self.rim_sides[hit.k]);
-        let from_rim = |v: u32| places[v as usize].weight > 0.0 && on_rim(vertices[v as usize].parent());
+        let from_rim = |v: u32| drawn_positions[v as usize].weight > 0.0 && on_rim(vertices[v as usize].parent());
         self.rim_sides[hit.k] != 0 && hit.triangle.is_none_or(|t| t.iter().any(|&v| on_rim(v) || from_rim(v)))
     }
 
-    fn note(&self, error: &mut ScreenError, probe: Probe, place: DVec3, drawn: Option<(f64, Hit)>, finest: Option<f64>) {
+    fn note(&self, error: &mut ScreenError, probe: Probe, point: DVec3, drawn: Option<(f64, Hit)>, finest: Option<f64>) {
         let (Some((drawn, hit)), Some(finest)) = (drawn, finest) else {
             error.missed += 1;
             return;
         };
-        let direction = place.normalize();
+        let direction = point.normalize();
         let [a, b] = [drawn, finest].map(|radius| direction * radius - self.view.eye);
         let distance = a.length().min(b.length());
         let radians = match self.view.orientation {
@@ -251,10 +252,10 @@ impl Judge<'_, '_> {
     }
 }
 
-/// Whether a place lies in the frustum of a view, and the line to it does not pass through the ball inside the planet's ground or sea
-/// (hills hide nothing).
-pub fn is_in_view(view: &View, tree: &PatchTree, place: DVec3) -> bool {
-    let line = place - view.eye;
+/// Whether a point lies in the frustum of a view, and the line to it does not pass through the ball inside the planet's ground or
+/// sea (hills hide nothing).
+pub fn is_in_view(view: &View, tree: &PatchTree, point: DVec3) -> bool {
+    let line = point - view.eye;
     if view.planes.iter().any(|plane| plane.dot(line) > 0.0) {
         return false;
     }

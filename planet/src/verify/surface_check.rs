@@ -1,6 +1,6 @@
-//! Whole surfaces: directed edges keyed by the exact places of their ends must cancel, triangles must face outwards.
+//! Whole surfaces: directed edges keyed by the exact positions of their ends must cancel, triangles must face outwards.
 //!
-//! The key of a vertex is its lattice position together with the bits of the place where it is drawn: an edge cancels only against
+//! The key of a vertex is its lattice position together with the bits of its drawn position: an edge cancels only against
 //! one that has both in common.
 
 use crate::draw::layout::{DrawnVertex, PatchVertex};
@@ -18,11 +18,11 @@ pub struct SurfaceReport {
     /// Triangles turned to the inside of the planet.
     pub flipped: usize,
     /// Triangles without area: equal corners, or corners in one plane with the planet's centre. Not those of a vertex that has only
-    /// just left its parent's place.
+    /// just left its parent's position.
     pub degenerate: usize,
 }
 
-/// What tells a vertex of the surface from others: its lattice position, and the bits of its camera-relative place.
+/// What tells a vertex of the surface from others: its lattice position, and the bits of its camera-relative drawn position.
 type Key = ([i32; 3], [u32; 3]);
 
 /// Collects the triangles of all patches of a surface.
@@ -34,13 +34,13 @@ pub struct SurfaceCheck {
 }
 
 impl SurfaceCheck {
-    /// Adds the drawn triangles of one patch. `places` holds as many vertices as triangles use.
-    pub fn add(&mut self, vertices: &[PatchVertex], places: &[DrawnVertex], triangles: &[[u32; 3]]) {
+    /// Adds the drawn triangles of one patch. `drawn_positions` holds as many vertices as triangles use.
+    pub fn add(&mut self, vertices: &[PatchVertex], drawn_positions: &[DrawnVertex], triangles: &[[u32; 3]]) {
         self.edges.clear();
         self.report.triangles += triangles.len();
         for &[a, b, c] in triangles {
-            let slides = [a, b, c].iter().any(|&v| places[v as usize].weight > 0.0);
-            match drawn_orientation([a, b, c].map(|v| Slide::new(vertices, places, v))) {
+            let slides = [a, b, c].iter().any(|&v| drawn_positions[v as usize].weight > 0.0);
+            match drawn_orientation([a, b, c].map(|v| Slide::new(vertices, drawn_positions, v))) {
                 0 if !slides => self.report.degenerate += 1,
                 -1 => self.report.flipped += 1,
                 _ => {}
@@ -51,7 +51,7 @@ impl SurfaceCheck {
         }
         self.edges.sort_unstable();
         let key = |v: u32| {
-            let drawn = &places[v as usize];
+            let drawn = &drawn_positions[v as usize];
             (vertices[v as usize].position, drawn.place.map(f32::to_bits))
         };
         // Edges between two triangles of one patch cancel here; what is left is the patch's rim (or a fault).
@@ -77,7 +77,7 @@ impl SurfaceCheck {
     }
 }
 
-/// A vertex on the straight way from its own place to its parent's.
+/// A vertex on the straight way from its own position to its parent's.
 #[derive(Clone, Copy)]
 struct Slide {
     own: IVec3,
@@ -86,10 +86,10 @@ struct Slide {
 }
 
 impl Slide {
-    fn new(vertices: &[PatchVertex], places: &[DrawnVertex], v: u32) -> Slide {
+    fn new(vertices: &[PatchVertex], drawn_positions: &[DrawnVertex], v: u32) -> Slide {
         let vertex = &vertices[v as usize];
         let parent = vertices[vertex.parent() as usize].position;
-        let weight = f64::from(places[v as usize].weight);
+        let weight = f64::from(drawn_positions[v as usize].weight);
         Slide { own: IVec3::from_array(vertex.position), parent: IVec3::from_array(parent), weight }
     }
 
@@ -99,9 +99,9 @@ impl Slide {
     }
 }
 
-/// Sign of the determinant of three places before they are rounded to f32. It is linear in each of them: the sum of the exact
-/// determinants at the ends of the ways, in f64. Where they all have one sign, so has the sum; else it is right to within 2⁻⁵⁰ of its
-/// largest part.
+/// Sign of the determinant of three drawn positions before they are rounded to f32. It is linear in each of them: the sum of the
+/// exact determinants at the ends of the ways, in f64. Where they all have one sign, so has the sum; else it is right to within
+/// 2⁻⁵⁰ of its largest part.
 fn drawn_orientation([a, b, c]: [Slide; 3]) -> i32 {
     if a.weight == 0.0 && b.weight == 0.0 && c.weight == 0.0 {
         return orientation(a.own, b.own, c.own);
@@ -127,7 +127,7 @@ fn drawn_orientation([a, b, c]: [Slide; 3]) -> i32 {
 mod tests {
     use super::*;
     use crate::draw::layout::FrameView;
-    use crate::reference::place::drawn_place;
+    use crate::reference::position::drawn_position;
 
     fn tetrahedron() -> (Vec<PatchVertex>, Vec<[u32; 3]>) {
         let corners = [[1, 1, 1], [1, -1, -1], [-1, 1, -1], [-1, -1, 1]];
@@ -135,14 +135,14 @@ mod tests {
         (vertices, vec![[0, 1, 2], [0, 2, 3], [0, 3, 1], [1, 3, 2]])
     }
 
-    fn in_place(vertices: &[PatchVertex]) -> Vec<DrawnVertex> {
-        let place = |v: u32| drawn_place(&FrameView::default(), vertices, v, 0.0).to_array();
-        (0..vertices.len() as u32).map(|v| DrawnVertex { place: place(v), weight: 0.0 }).collect()
+    fn in_own_position(vertices: &[PatchVertex]) -> Vec<DrawnVertex> {
+        let own = |v: u32| drawn_position(&FrameView::default(), vertices, v, 0.0).to_array();
+        (0..vertices.len() as u32).map(|v| DrawnVertex { place: own(v), weight: 0.0 }).collect()
     }
 
     fn report(vertices: &[PatchVertex], triangles: &[[u32; 3]]) -> SurfaceReport {
         let mut check = SurfaceCheck::default();
-        check.add(vertices, &in_place(vertices), triangles);
+        check.add(vertices, &in_own_position(vertices), triangles);
         check.finish()
     }
 
@@ -173,17 +173,17 @@ mod tests {
     fn equal_positions_join_different_patches() {
         let (vertices, triangles) = tetrahedron();
         let mut check = SurfaceCheck::default();
-        check.add(&vertices, &in_place(&vertices), &triangles[..2]);
+        check.add(&vertices, &in_own_position(&vertices), &triangles[..2]);
         let mut reversed = vertices.clone();
         reversed.reverse();
-        check.add(&reversed, &in_place(&reversed), &triangles[2..].iter().map(|t| t.map(|v| 3 - v)).collect::<Vec<_>>());
+        check.add(&reversed, &in_own_position(&reversed), &triangles[2..].iter().map(|t| t.map(|v| 3 - v)).collect::<Vec<_>>());
         assert_eq!(check.finish().cracks, 0);
     }
 
     /// Drawn positions of vertices of which the last morphs to the first by `weight`.
-    fn places(vertices: &[PatchVertex], weight: f32) -> Vec<DrawnVertex> {
+    fn drawn_positions(vertices: &[PatchVertex], weight: f32) -> Vec<DrawnVertex> {
         let weights = [0.0, 0.0, 0.0, weight];
-        let drawn = |v: usize| drawn_place(&FrameView::default(), vertices, v as u32, weights[v]).to_array();
+        let drawn = |v: usize| drawn_position(&FrameView::default(), vertices, v as u32, weights[v]).to_array();
         (0..4).map(|v| DrawnVertex { place: drawn(v), weight: weights[v] }).collect()
     }
 
@@ -192,7 +192,7 @@ mod tests {
         let (vertices, triangles) = tetrahedron();
         let mut check = SurfaceCheck::default();
         for (weight, half) in weights.into_iter().zip(triangles.chunks(2)) {
-            check.add(&vertices, &places(&vertices, weight), half);
+            check.add(&vertices, &drawn_positions(&vertices, weight), half);
         }
         check.finish()
     }
@@ -203,7 +203,7 @@ mod tests {
             assert_eq!(sliding([weight; 2]), SurfaceReport { triangles: 4, ..Default::default() }, "{weight}");
         }
         let arrived = sliding([1.0; 2]);
-        assert_eq!((arrived.cracks, arrived.degenerate), (0, 0), "a vertex in its parent's place tears nothing");
+        assert_eq!((arrived.cracks, arrived.degenerate), (0, 0), "a vertex in its parent's position tears nothing");
         assert!(sliding([0.25, 0.25 + f32::EPSILON]).cracks > 0);
     }
 
@@ -213,7 +213,7 @@ mod tests {
         // Beyond the plane of the opposite triangle.
         vertices[0].position = [-3000; 3];
         let mut check = SurfaceCheck::default();
-        check.add(&vertices, &places(&vertices, 0.5), &triangles);
+        check.add(&vertices, &drawn_positions(&vertices, 0.5), &triangles);
         assert!(check.finish().flipped > 0);
     }
 }

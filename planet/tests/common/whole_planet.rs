@@ -83,11 +83,11 @@ pub(crate) fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) 
         let work = patch.reach.work(view);
         let vertices = &patch.vertices[..work.vertices as usize];
         let sides = if forget_sides { 0 } else { u32::from(leaf.coarser_sides) };
-        let Selected { awake, places } = select(&view.gpu, vertices, sides);
-        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(vertices, &awake), &places);
-        check.add(vertices, &places, &triangles);
+        let Selected { awake, drawn_positions } = select(&view.gpu, vertices, sides);
+        let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(vertices, &awake), &drawn_positions);
+        check.add(vertices, &drawn_positions, &triangles);
         if !at_data_rim(&planet.tree, leaf) {
-            violations += rings.violations(&awake, &places);
+            violations += rings.violations(&awake, &drawn_positions);
         }
     }
     (check.finish(), violations)

@@ -9,7 +9,7 @@ use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::reference::emit::emit;
-use terrane_planet::reference::place::exact_place;
+use terrane_planet::reference::position::exact_position;
 use terrane_planet::reference::resolve::resolve;
 use terrane_planet::reference::select::{select, Selected};
 use terrane_planet::store::StoreError;
@@ -26,7 +26,7 @@ pub(crate) struct Ours {
 pub(crate) struct Drawn<'a> {
     pub(crate) id: PatchId,
     pub(crate) vertices: &'a [PatchVertex],
-    pub(crate) places: &'a [DrawnVertex],
+    pub(crate) drawn_positions: &'a [DrawnVertex],
     pub(crate) triangles: &'a [[u32; 3]],
 }
 
@@ -36,7 +36,7 @@ impl Drawn<'_> {
         sheet.add(
             self.id.face,
             self.vertices.len(),
-            |v| exact_place(self.vertices, v, self.places[v as usize].weight),
+            |v| exact_position(self.vertices, v, self.drawn_positions[v as usize].weight),
             self.triangles,
         );
     }
@@ -48,7 +48,7 @@ impl Ours {
         Ours { patches: Arc::new(PatchCache::new()), geomorphs: true, cut: 1.0 }
     }
 
-    /// The same with every awake vertex in its own place.
+    /// The same with every awake vertex in its own position.
     pub(crate) fn without_geomorphs(&self) -> Ours {
         Ours { patches: self.patches.clone(), geomorphs: false, ..*self }
     }
@@ -66,9 +66,9 @@ impl Ours {
             let patch = self.patches.get(leaf.id, || Ok(LoadedPatch::new(setting.read(leaf.id)?, &setting.tree.lattice)))?;
             let work = patch.reach.work(view);
             let vertices = &patch.vertices[..work.vertices as usize];
-            let Selected { awake, places } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
-            let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(vertices, &awake), &places);
-            drawn(&Drawn { id: leaf.id, vertices, places: &places, triangles: &triangles });
+            let Selected { awake, drawn_positions } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
+            let triangles = emit(&view.gpu, &patch.triangles(&work), &resolve(vertices, &awake), &drawn_positions);
+            drawn(&Drawn { id: leaf.id, vertices, drawn_positions: &drawn_positions, triangles: &triangles });
         }
         Ok(())
     }

@@ -87,7 +87,7 @@ impl<'a> Chooser<'a> {
     fn pixels(&self, view: &View, seed: u64) -> Result<Vec<DVec3>, StoreError> {
         let mut surfaces = Vec::new();
         self.ours.patches(self.setting, view, |drawn| {
-            surfaces.push(PatchSurface::of_drawn(drawn.vertices, drawn.places, drawn.triangles));
+            surfaces.push(PatchSurface::of_drawn(drawn.vertices, drawn.drawn_positions, drawn.triangles));
         })?;
         let mut random = Random::new(seed);
         let (camera, (h, v)) = (&view.camera, view.camera.half_extents());

@@ -18,7 +18,7 @@ use std::time::Duration;
 /// neither by more than a third of this.
 const WIDENING: f64 = 1.0 / (1u32 << 20) as f64;
 
-/// Boxes by place.
+/// Boxes by position.
 pub(crate) struct BoxTree {
     low: DVec3,
     high: DVec3,

@@ -5,7 +5,7 @@ use super::Ray;
 use crate::draw::layout::{DrawnVertex, PatchVertex};
 use crate::globe::lattice::{Lattice, LatticeBox};
 use crate::mesh::progressive::PatchMesh;
-use crate::reference::place::exact_place;
+use crate::reference::position::exact_position;
 use glam::{DVec3, IVec3};
 use std::sync::Arc;
 use terrane_heightfield::decimate::mesh::grid_triangles;
@@ -53,9 +53,9 @@ impl PatchSurface {
 }
 
 impl PatchSurface<DVec3> {
-    /// Drawn triangles of a patch, as places in `vertices`. `places` holds as many vertices as triangles use.
-    pub fn of_drawn(vertices: &[PatchVertex], places: &[DrawnVertex], triangles: &[[u32; 3]]) -> Self {
-        let positions = (0u32..).zip(places).map(|(v, drawn)| exact_place(vertices, v, drawn.weight)).collect();
+    /// Drawn triangles of a patch, as vertex indices. `drawn_positions` holds as many vertices as triangles use.
+    pub fn of_drawn(vertices: &[PatchVertex], drawn_positions: &[DrawnVertex], triangles: &[[u32; 3]]) -> Self {
+        let positions = (0u32..).zip(drawn_positions).map(|(v, drawn)| exact_position(vertices, v, drawn.weight)).collect();
         PatchSurface::new(positions, triangles.into(), 1)
     }
 }
@@ -65,9 +65,9 @@ impl<P: Copy + Into<DVec3>> PatchSurface<P> {
         let around = |group: &[[u32; 3]]| {
             let mut bounds = LatticeBox::EMPTY;
             for &v in group.iter().flatten() {
-                let place: DVec3 = positions[v as usize].into();
-                bounds.include(place.floor().as_ivec3());
-                bounds.include(place.ceil().as_ivec3());
+                let position: DVec3 = positions[v as usize].into();
+                bounds.include(position.floor().as_ivec3());
+                bounds.include(position.ceil().as_ivec3());
             }
             bounds
         };
@@ -136,8 +136,8 @@ mod tests {
     #[test]
     fn no_ray_slips_between_the_cells_of_a_grid() {
         let (cells, far) = (16, 1 << 29);
-        let place = |k: i32| IVec3::new(far + (k * 7919) % 1000, (k % 17 - 8) * 1000, (k / 17 - 8) * 1000);
-        let surface = PatchSurface::new((0..17 * 17).map(place).collect(), grouped_grid(cells), 32);
+        let position = |k: i32| IVec3::new(far + (k * 7919) % 1000, (k % 17 - 8) * 1000, (k / 17 - 8) * 1000);
+        let surface = PatchSurface::new((0..17 * 17).map(position).collect(), grouped_grid(cells), 32);
         for (k, p) in surface.positions.iter().enumerate().filter(|(k, _)| k % 17 % 16 != 0 && (17..272).contains(k)) {
             let found = surface.nearest(&Ray::radial(p.as_dvec3())).unwrap_or_else(|| panic!("sample {k}"));
             assert!((found - p.as_dvec3().length()).abs() < 1e-5, "sample {k}");

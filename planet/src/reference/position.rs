@@ -1,7 +1,7 @@
-//! Twin of `drawn_place` in `select.comp`: where vertices are drawn.
+//! Twin of `drawn_position` in `select.comp`: where vertices are drawn.
 //!
-//! A vertex that wakes comes out of its parent's place (Hoppe's geomorph, 1996): its *morph weight* falls from 1, its parent's place, to
-//! 0, its own, while the viewer comes from `reach` to `scale` times its wake. Its parent stands still meanwhile.
+//! A vertex that wakes comes out of its parent's position (Hoppe's geomorph, 1996): its *morph weight* falls from 1, its parent's
+//! position, to 0, its own, while the viewer comes from `reach` to `scale` times its wake. Its parent stands still meanwhile.
 
 use crate::draw::layout::{FrameView, PatchVertex};
 use glam::{DVec3, IVec3, Vec3};
@@ -13,9 +13,9 @@ pub fn relative(view: &FrameView, position: [i32; 3]) -> Vec3 {
     Vec3::new(difference(0), difference(1), difference(2))
 }
 
-/// Camera-relative place in lattice units at which a vertex is drawn that has some morph weight.
+/// Camera-relative position in lattice units at which a vertex is drawn that has some morph weight.
 #[inline]
-pub fn drawn_place(view: &FrameView, vertices: &[PatchVertex], v: u32, weight: f32) -> Vec3 {
+pub fn drawn_position(view: &FrameView, vertices: &[PatchVertex], v: u32, weight: f32) -> Vec3 {
     let own = relative(view, vertices[v as usize].position);
     if weight == 0.0 {
         return own;
@@ -24,8 +24,8 @@ pub fn drawn_place(view: &FrameView, vertices: &[PatchVertex], v: u32, weight: f
     own + (parent - own) * weight
 }
 
-/// The same place from the planet's centre, before any of it is rounded to f32.
-pub fn exact_place(vertices: &[PatchVertex], v: u32, weight: f32) -> DVec3 {
+/// The same position from the planet's centre, before any of it is rounded to f32.
+pub fn exact_position(vertices: &[PatchVertex], v: u32, weight: f32) -> DVec3 {
     let own = position(vertices, v).as_dvec3();
     if weight == 0.0 {
         return own;
