@@ -30,7 +30,7 @@ pub(crate) struct Caps {
     trough_m: f64,
 }
 
-/// A chunk's place on a cap.
+/// Where a chunk's points are on a cap.
 struct Site {
     /// 0 at the edge, 1 at the pole.
     inward: Lane,
@@ -108,8 +108,8 @@ impl Caps {
         for i in 0..LANES {
             let around = atan2(p.place[1][i], p.place[0][i]) * (ARMS / TAU);
             let around = if p.place[2][i] < 0.0 { -around } else { around };
-            let place = around + f64::from(out[i]) * self.turns + f64::from(bend[i]) * 0.8;
-            share[i] = (place - nearest(place).1) as f32 + 0.5;
+            let phase = around + f64::from(out[i]) * self.turns + f64::from(bend[i]) * 0.8;
+            share[i] = (phase - nearest(phase).1) as f32 + 0.5;
             deep[i] = (0.55 + 1.5 * vigour[i]).clamp(0.0, 1.0) * MIDDLE.at(out[i]) * RIM.at(inward[i]);
         }
         Site { inward, share, vigour: deep }

@@ -18,7 +18,7 @@ const STEP: f64 = 0.018;
 /// Rain that seas around bring whatever the prevailing wind.
 const MONSOON: f32 = 0.4;
 
-/// What is known of the climate of a place.
+/// What is known of the climate of a site.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Weather {
     /// Metres above the datum on the whole, the sea's surface counting as ground.
@@ -63,12 +63,12 @@ impl Climate {
         } else {
             (4 + usize::from(z < 0.0), x, y, a.z)
         };
-        let place = |c: f64| {
+        let cell_and_share = |c: f64| {
             let at = (c / axis + 1.0) * (0.5 * SIDE as f64);
             let cell = (at as usize).min(SIDE - 1);
             (cell, (at - cell as f64) as f32)
         };
-        let ((column, u), (row, v)) = (place(first), place(second));
+        let ((column, u), (row, v)) = (cell_and_share(first), cell_and_share(second));
         let at = |i: usize, j: usize| self.nodes[(face * (SIDE + 1) + row + j) * (SIDE + 1) + column + i];
         Weather::mixed(Weather::mixed(at(0, 0), at(1, 0), u), Weather::mixed(at(0, 1), at(1, 1), u), v)
     }
@@ -89,14 +89,14 @@ impl Climate {
         Weather { mean_m: sum.mean_m * share, rugged_m: sum.rugged_m * share, rain: sum.rain * share }
     }
 
-    /// What falls of the moisture that the wind brings to a place.
+    /// What falls of the moisture that the wind brings to a site.
     fn rain(&self, d: DVec3, sea_level: Option<f64>) -> f32 {
         let sea = sea_level.unwrap_or(-1e9) as f32;
-        let (mut path, mut place) = ([0.0; STEPS], d);
+        let (mut path, mut site) = ([0.0; STEPS], d);
         for height in &mut path {
-            *height = self.at(place).mean_m - sea;
-            let upwind = place - wind(place) * STEP;
-            place = upwind / upwind.length();
+            *height = self.at(site).mean_m - sea;
+            let upwind = site - wind(site) * STEP;
+            site = upwind / upwind.length();
         }
         let (mut moisture, mut rain) = (0.5, 0.0);
         for pair in path.windows(2).rev() {
@@ -127,9 +127,9 @@ impl Climate {
 /// Direction of a node. Nodes that faces share get the same bits from each.
 fn direction(node: usize) -> DVec3 {
     let (face, row, column) = (node / ((SIDE + 1) * (SIDE + 1)), node / (SIDE + 1) % (SIDE + 1), node % (SIDE + 1));
-    let place = |k: usize| k as f64 * (2.0 / SIDE as f64) - 1.0;
+    let coordinate = |k: usize| k as f64 * (2.0 / SIDE as f64) - 1.0;
     let sign = if face % 2 == 0 { 1.0 } else { -1.0 };
-    let (u, v) = (place(column), place(row));
+    let (u, v) = (coordinate(column), coordinate(row));
     let d = [DVec3::new(sign, u, v), DVec3::new(v, sign, u), DVec3::new(u, v, sign)][face / 2];
     d / d.length()
 }

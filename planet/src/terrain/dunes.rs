@@ -47,8 +47,8 @@ impl Dunes {
         let (bend, vigour) = (self.bend.brownian(p), self.vigour.brownian(p));
         let along = &p.turned[self.turn].axes[0];
         for i in 0..LANES {
-            let place = along[i] * self.per_metre + f64::from(bend[i]) * 1.3;
-            let share = (place - nearest(place).1) as f32 + 0.5;
+            let phase = along[i] * self.per_metre + f64::from(bend[i]) * 1.3;
+            let share = (phase - nearest(phase).1) as f32 + 0.5;
             let tall = (0.6 + 1.1 * vigour[i]).clamp(0.0, 1.0);
             own[i] *= self.amplitude_m as f32 * tall * ridge(share);
         }

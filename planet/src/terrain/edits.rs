@@ -21,7 +21,7 @@ const WIDENING: f64 = 1.0 / (1u32 << 20) as f64;
 /// Room in the bounds of heights for rounding, in metres.
 const BOUND_ROOM_M: f64 = 1e-3;
 
-/// Share of a flattened place's squared radius that is level: the shoulder is the outer quarter of the radius.
+/// Share of a flattened site's squared radius that is level: the shoulder is the outer quarter of the radius.
 const LEVEL_SHARE: f64 = 0.5625;
 
 /// All edits of a planet.
@@ -41,7 +41,7 @@ struct Site {
     shape: Shape,
 }
 
-/// The direction of a place, the same bits on every machine.
+/// The direction of a site, the same bits on every machine.
 pub(crate) fn centre(latitude_deg: f64, longitude_deg: f64) -> DVec3 {
     let ((sin_lat, cos_lat), (sin_lon, cos_lon)) = (sin_cos(latitude_deg), sin_cos(longitude_deg));
     DVec3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat)
@@ -117,7 +117,7 @@ fn erased(t: f64) -> f64 {
     }
 }
 
-/// How level a flattened place is: 1 inside, smoothly to 0 at its radius.
+/// How level a flattened site is: 1 inside, smoothly to 0 at its radius.
 fn level(t: f64) -> f64 {
     let way = ((1.0 - t) / (1.0 - LEVEL_SHARE)).min(1.0);
     way * way * (3.0 - 2.0 * way)

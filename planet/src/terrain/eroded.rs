@@ -191,8 +191,8 @@ mod tests {
         let eroded = Eroded::new(5, &Octaves { wavelength_m: 15e3, detail_m: 2.0, gain: 0.8 });
         let (mut lowest, mut highest) = (f32::MAX, 0.0_f32);
         for n in 0..200_u64 {
-            let place = |axis: u64| std::array::from_fn(|i| (unit(mix((n * 1000 + i as u64) ^ (axis << 40))) - 0.5) * 9e6);
-            let metres = eroded.metres(&Points::at([place(1), place(2), place(3)]), &[1000.0; LANES]);
+            let lanes = |axis: u64| std::array::from_fn(|i| (unit(mix((n * 1000 + i as u64) ^ (axis << 40))) - 0.5) * 9e6);
+            let metres = eroded.metres(&Points::at([lanes(1), lanes(2), lanes(3)]), &[1000.0; LANES]);
             lowest = metres.iter().fold(lowest, |low, &h| low.min(h));
             highest = metres.iter().fold(highest, |high, &h| high.max(h));
         }

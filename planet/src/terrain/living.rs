@@ -59,7 +59,7 @@ impl Biomes {
 }
 
 /// What is known of one point besides the noises.
-struct Place {
+struct Conditions {
     sine: f32,
     height: f32,
     above: f32,
@@ -124,7 +124,7 @@ impl Terrain {
                 tuft: tuft[i],
                 strata: strata[i],
             };
-            let place = Place {
+            let here = Conditions {
                 sine: site.sine[i],
                 height: site.height[i],
                 above: site.above[i],
@@ -135,7 +135,7 @@ impl Terrain {
                 sandy: sandy[i],
                 weather: weather[i],
             };
-            let colour = paints.colour(&place, &own);
+            let colour = paints.colour(&here, &own);
             put(out, i, colour, 1.0 + 0.05 * own.patch + 0.07 * own.thicket + 0.13 * own.tuft);
         }
     }
@@ -227,10 +227,10 @@ impl Paints {
     }
 
     #[inline(always)]
-    fn colour(&self, place: &Place, own: &Own) -> Rgb {
-        let land = self.land(&self.ground(place, own), place, own);
-        let floor = self.sea_floor(place.above.min(0.0), place.sandy, own);
-        axes(|k| if place.above < 0.0 { floor[k] } else { land[k] })
+    fn colour(&self, here: &Conditions, own: &Own) -> Rgb {
+        let land = self.land(&self.ground(here, own), here, own);
+        let floor = self.sea_floor(here.above.min(0.0), here.sandy, own);
+        axes(|k| if here.above < 0.0 { floor[k] } else { land[k] })
     }
 
     #[inline(always)]
@@ -243,20 +243,20 @@ impl Paints {
     }
 
     #[inline(always)]
-    fn ground(&self, place: &Place, own: &Own) -> Ground {
-        let &Place { sine, slope, coarse, weather, .. } = place;
+    fn ground(&self, here: &Conditions, own: &Own) -> Ground {
+        let &Conditions { sine, slope, coarse, weather, .. } = here;
         // Dry belts near 25 degrees, wet about the equator and from 45 degrees on.
         let off = (sine - 0.42) * (1.0 / 0.26);
         let belt = (1.0 - off * off).max(-0.6);
-        let over_mean = place.height - weather.mean_m;
+        let over_mean = here.height - weather.mean_m;
         // Rain falls on heights, and runs to the valleys.
-        let lifted = (over_mean * (1.0 / 3000.0)).clamp(-0.04, 0.3) + 0.22 * place.valley;
+        let lifted = (over_mean * (1.0 / 3000.0)).clamp(-0.04, 0.3) + 0.22 * here.valley;
         let dry =
             0.36 * belt + 0.95 * (0.62 - weather.rain) - 0.45 * own.climate - 0.12 * own.province + 0.06 * own.patch - lifted;
         let cold = sine * self.per_polar_sine;
         let line = self.snow_line_m * (1.0 - cold * cold * cold) + 550.0 * (dry - 0.1).clamp(-0.6, 0.9) + 200.0 * own.climate;
         let ragged = 130.0 * own.patch + 90.0 * own.thicket + 45.0 * own.tuft;
-        let over_trees = place.height - ragged - (line - self.tree_drop_m) + 500.0 * slope;
+        let over_trees = here.height - ragged - (line - self.tree_drop_m) + 500.0 * slope;
         // Clumps of trees stand on moist ground first: hollows, north slopes, banks.
         let clump = own.thicket * (0.6 + 1.2 * own.patch).clamp(0.35, 1.3);
         let woods = 0.2 + 0.25 * (1.0 - 2.2 * sine).max(0.0) - (1.35 * dry).clamp(-0.24, 1.0)
@@ -264,11 +264,11 @@ impl Paints {
             + 0.35 * own.province
             + 0.45 * clump
             + 0.22 * own.tuft;
-        let woods = woods + 0.5 * place.poleward.clamp(-0.5, 0.5) + 0.8 * (slope - 0.12).clamp(-0.1, 0.3);
+        let woods = woods + 0.5 * here.poleward.clamp(-0.5, 0.5) + 0.8 * (slope - 0.12).clamp(-0.1, 0.3);
         let unseen = weather.rugged_m * (1.0 / 1400.0) * coarse;
         let steep = (slope * slope + unseen * unseen).sqrt() * (1.0 + 0.3 * own.thicket + 0.35 * own.tuft);
         // Slopes that face the pole hold snow longer, steep ones shed it, hollows keep it.
-        let snow = place.height + ragged - line + 550.0 * place.poleward.clamp(-0.8, 0.8) - 350.0 * slope.min(1.2);
+        let snow = here.height + ragged - line + 550.0 * here.poleward.clamp(-0.8, 0.8) - 350.0 * slope.min(1.2);
         Ground {
             arid: rise(dry + 0.05 * own.thicket, 0.42, 0.17),
             tropical: (1.0 - sine * 2.2).max(0.0),
@@ -278,22 +278,22 @@ impl Paints {
             alpine: rise(over_trees, 0.0, 350.0),
             snow: rise(snow, 0.0, 110.0 + 260.0 * coarse) * (1.0 - self.bare.at(steep)),
             rocky: self.rocky.at(steep),
-            bank: rise(place.valley + 0.15 * own.thicket, 0.72, 0.16),
+            bank: rise(here.valley + 0.15 * own.thicket, 0.72, 0.16),
         }
     }
 
     #[inline(always)]
-    fn land(&self, ground: &Ground, place: &Place, own: &Own) -> Rgb {
+    fn land(&self, ground: &Ground, here: &Conditions, own: &Own) -> Rgb {
         let grass = self.grass(ground, own);
         let trees = self.trees(ground, own);
         let meadow = mixed(grass, trees, ground.wooded);
         let meadow = mixed(meadow, mixed(trees, self.lush, 0.5), 0.7 * ground.bank * (1.0 - ground.alpine));
-        let desert = self.waste(ground, place, own);
+        let desert = self.waste(ground, here, own);
         // Green lines along rivers, where there is any rain at all.
         let desert = mixed(desert, mixed(self.lush, self.dry, 0.4), 0.55 * ground.bank * (1.0 - rise(own.province, 0.1, 0.3)));
         let heath = mixed(self.tundra, grass, 0.7 * ground.wet * (1.0 - 0.8 * ground.boreal));
         let soil = mixed(mixed(meadow, desert, ground.arid), heath, ground.alpine * (1.0 - 0.7 * ground.arid));
-        let soil = mixed(soil, self.shore(place, own), self.beach_share(place, own));
+        let soil = mixed(soil, self.shore(here, own), self.beach_share(here, own));
         let rock = mixed(self.rock, self.badland, (0.2 + 0.5 * ground.arid) * own.strata + 0.25 * ground.arid);
         let rock = axes(|k| rock[k] * (1.0 + 0.12 * own.province));
         // High ground wears thin even where it is level.
@@ -331,9 +331,9 @@ impl Paints {
 
     /// Seas of sand, stony plains, dark massifs, salt.
     #[inline(always)]
-    fn waste(&self, ground: &Ground, place: &Place, own: &Own) -> Rgb {
-        let over_mean = place.height - place.weather.mean_m;
-        let calm = 1.0 - rise(place.weather.rugged_m, 260.0, 160.0);
+    fn waste(&self, ground: &Ground, here: &Conditions, own: &Own) -> Rgb {
+        let over_mean = here.height - here.weather.mean_m;
+        let calm = 1.0 - rise(here.weather.rugged_m, 260.0, 160.0);
         let streaky = own.streak * 0.5;
         let sand = mixed(self.desert, self.badland, 0.5 * rise(own.climate + 0.5 * own.province, 0.15, 0.4));
         let sand = axes(|k| sand[k] * (1.0 + 0.1 * streaky + 0.05 * own.patch));
@@ -342,25 +342,25 @@ impl Paints {
         let erg = rise(0.9 * own.province + 0.55 * streaky + 0.25 * own.patch + 0.25, 0.12, 0.2) * calm;
         let plain = mixed(gravel, sand, erg);
         // Desert varnish on what stands out.
-        let massif = rise(over_mean + 0.6 * place.weather.rugged_m * (0.5 + own.patch), 240.0, 200.0).max(0.25 * (1.0 - calm));
+        let massif = rise(over_mean + 0.6 * here.weather.rugged_m * (0.5 + own.patch), 240.0, 200.0).max(0.25 * (1.0 - calm));
         let dark = axes(|k| self.rock[k] * [0.82, 0.74, 0.68][k]);
         let plain = mixed(plain, mixed(dark, self.badland, 0.35 * rise(own.province, 0.1, 0.4)), 0.85 * massif * ground.arid);
         let salt = axes(|k| 0.35 * self.snow[k] + 0.65 * self.beach[k]);
         let pan = rise(-own.province - 0.5 * own.patch - over_mean * (1.0 / 500.0), 0.74, 0.13);
-        mixed(plain, salt, 0.8 * pan * calm * (1.0 - rise(place.slope, 0.06, 0.04)))
+        mixed(plain, salt, 0.8 * pan * calm * (1.0 - rise(here.slope, 0.06, 0.04)))
     }
 
     /// Sand on open coasts, gravel and mud elsewhere.
     #[inline(always)]
-    fn shore(&self, place: &Place, own: &Own) -> Rgb {
+    fn shore(&self, here: &Conditions, own: &Own) -> Rgb {
         let gravel = mixed(self.rock, self.tundra, 0.5 + 0.5 * own.patch.clamp(-1.0, 1.0));
-        mixed(gravel, self.beach, rise(place.sandy, 0.45, 0.2))
+        mixed(gravel, self.beach, rise(here.sandy, 0.45, 0.2))
     }
 
     /// How much of the ground is beach: low, flat, where the coast has any; the sand ends raggedly.
     #[inline(always)]
-    fn beach_share(&self, place: &Place, own: &Own) -> f32 {
-        let reach = 0.06 + 0.9 * place.sandy * (1.0 - rise(place.slope, 0.12, 0.08));
-        1.0 - rise(place.above * self.per_beach_m + 0.16 * own.thicket + 0.12 * own.tuft, reach, 0.35 * reach + 0.02)
+    fn beach_share(&self, here: &Conditions, own: &Own) -> f32 {
+        let reach = 0.06 + 0.9 * here.sandy * (1.0 - rise(here.slope, 0.12, 0.08));
+        1.0 - rise(here.above * self.per_beach_m + 0.16 * own.thicket + 0.12 * own.tuft, reach, 0.35 * reach + 0.02)
     }
 }

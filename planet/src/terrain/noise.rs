@@ -42,7 +42,7 @@ impl Lattice {
 
     /// Lattice coordinate `axis` of a turned one in metres.
     #[inline(always)]
-    pub(crate) fn place(&self, axis: usize, metres: f64) -> f64 {
+    pub(crate) fn coordinate(&self, axis: usize, metres: f64) -> f64 {
         metres * self.per_metre + self.shift[axis]
     }
 
@@ -51,7 +51,7 @@ impl Lattice {
     #[inline(always)]
     pub(crate) fn span(&self, p: &Points) -> [[f64; 3]; 2] {
         let turned = &p.turned[self.turn];
-        let cell = |k: usize, metres: f64| nearest(self.place(k, metres)).1;
+        let cell = |k: usize, metres: f64| nearest(self.coordinate(k, metres)).1;
         [axes(|k| cell(k, turned.low[k])), axes(|k| cell(k, turned.high[k]))]
     }
 
@@ -89,7 +89,7 @@ impl Lattice {
         if low == high {
             for k in 0..3 {
                 for i in 0..LANES {
-                    fractions[k][i] = (self.place(k, points[k][i]) - low[k]) as f32;
+                    fractions[k][i] = (self.coordinate(k, points[k][i]) - low[k]) as f32;
                 }
             }
             let gradients = Corners::new(self.seed, axes(|k| nearest(low[k]).0)).gradients();
@@ -100,9 +100,9 @@ impl Lattice {
             let mut cells = [[0; LANES]; 3];
             for k in 0..3 {
                 for i in 0..LANES {
-                    let place = self.place(k, points[k][i]);
-                    let (cell, rounded) = nearest(place);
-                    (cells[k][i], fractions[k][i]) = (cell, (place - rounded) as f32);
+                    let coordinate = self.coordinate(k, points[k][i]);
+                    let (cell, rounded) = nearest(coordinate);
+                    (cells[k][i], fractions[k][i]) = (cell, (coordinate - rounded) as f32);
                 }
             }
             for i in 0..LANES {
@@ -178,7 +178,7 @@ fn gradient(hash: u32) -> [f32; 3] {
 /// Brings the noise to a standard deviation of about 1/3.
 const SCALE: f32 = 1.45 / 2_147_483_648.0;
 
-/// Noise at a place between -1/2 and 1/2 in a cell, from the gradients at its corners.
+/// Noise at an offset between -1/2 and 1/2 in a cell, from the gradients at its corners.
 #[inline(always)]
 fn blend(at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]) -> f32 {
     let near = axes(|k| at[k] + 0.5);
@@ -194,7 +194,7 @@ fn blend(at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]) -> f32 {
     (lerp(side(0), side(4), w) * SCALE).clamp(-1.0, 1.0)
 }
 
-/// What is worked out for a lane from its place in its cell, each coordinate between -1/2 and 1/2, and from the gradients of the
+/// What is worked out for a lane from its offset in its cell, each coordinate between -1/2 and 1/2, and from the gradients of the
 /// cell's corners.
 trait Visitor {
     fn see(&mut self, lane: usize, at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]);
@@ -259,7 +259,7 @@ impl<V: FnMut(usize, f32, f32)> Visitor for Waves<'_, V> {
     }
 }
 
-/// From a corner to a place in its cell.
+/// From a corner to a point in its cell.
 #[inline(always)]
 fn offset(at: [f32; 3], corner: usize) -> [f32; 3] {
     axes(|k| if corner >> k & 1 == 0 { at[k] + 0.5 } else { at[k] - 0.5 })
@@ -300,7 +300,7 @@ fn lerp(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
 
-/// The noise of a lattice of unit cells at one place within 2^20 of the origin.
+/// The noise of a lattice of unit cells at one position within 2^20 of the origin.
 #[inline(always)]
 pub(crate) fn noise_at(seed: u32, at: [f32; 3]) -> f32 {
     let rounded = axes(|k| at[k] + ROUND_F32);

@@ -2,9 +2,9 @@
 //! layer's own at each point, or ray brightness.
 //!
 //! Each size class has one or more sets of sites (`sites`) and a shape (`profile`); sizes within a class follow a power law, so that
-//! all classes together do. A point's place among the young and the old decides how much of a crater is left, and whether lava or a
-//! larger, younger crater has buried it. A noise of each class's own size bends its rims, roughens what they threw out and rolls the ground
-//! between them: craters saturate old ground, and there is no plain (Gault 1970; Melosh 1989, chapter X).
+//! all classes together do. A point's rank among the young and the old decides how much of a crater is left, and whether lava or
+//! a larger, younger crater has buried it. A noise of each class's own size bends its rims, roughens what they threw out and
+//! rolls the ground between them: craters saturate old ground, and there is no plain (Gault 1970; Melosh 1989, chapter X).
 
 mod profile;
 mod rays;
@@ -239,10 +239,10 @@ mod tests {
     }
 
     /// One point in every lane but the last, which is far away, so that lanes share no lookup of sites.
-    fn alone(places: &[WideLane; 3], i: usize) -> Points {
-        let mut far = [0, 1, 2].map(|k| [places[k][i]; LANES]);
+    fn alone(positions: &[WideLane; 3], i: usize) -> Points {
+        let mut far = [0, 1, 2].map(|k| [positions[k][i]; LANES]);
         for (k, axis) in far.iter_mut().enumerate() {
-            axis[LANES - 1] = -places[k][i];
+            axis[LANES - 1] = -positions[k][i];
         }
         Points::at(far)
     }
@@ -258,10 +258,10 @@ mod tests {
         for (diameter_m, spread) in [(300.0, 900.0), (20.0, 60.0), (20.0, 900.0), (2.0, 900.0)] {
             let mut high = 0;
             for class in (0..6).map(|seed| class(seed, diameter_m)) {
-                let places = points(spread);
-                let together = metres(&class, &Points::at(places));
+                let positions = points(spread);
+                let together = metres(&class, &Points::at(positions));
                 for i in 0..LANES {
-                    let own = metres(&class, &alone(&places, i))[0];
+                    let own = metres(&class, &alone(&positions, i))[0];
                     assert_eq!(own.to_bits(), together[i].to_bits(), "{diameter_m} m in {spread} m, point {i}");
                 }
                 high += together.iter().filter(|h| h.abs() > 0.02 * diameter_m as f32).count();
@@ -275,11 +275,11 @@ mod tests {
         // Every face, edge and corner of the cube around the sphere has craters.
         let class = class(3, 20.0);
         let mut counts = [0; 8];
-        let place = |n: u64| array::from_fn(|k| unit(mix(n * 3 + k as u64)) * 2.0 - 1.0);
-        for place in (0..40_000).map(place) {
-            let length = place.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
-            let octant = (0..3).map(|k| usize::from(place[k] > 0.0) << k).sum::<usize>();
-            let p = Points::at(place.map(|x| [x / length * 1000.0; LANES]));
+        let position = |n: u64| array::from_fn(|k| unit(mix(n * 3 + k as u64)) * 2.0 - 1.0);
+        for position in (0..40_000).map(position) {
+            let length = position.iter().map(|x: &f64| x * x).sum::<f64>().sqrt();
+            let octant = (0..3).map(|k| usize::from(position[k] > 0.0) << k).sum::<usize>();
+            let p = Points::at(position.map(|x| [x / length * 1000.0; LANES]));
             let sum = class.sum(&p, &[0.0; LANES], &[1.0; LANES]);
             counts[octant] += usize::from(sum.height[0] < -0.05);
         }
@@ -298,7 +298,7 @@ mod tests {
 
     #[test]
     fn rays_of_neighbours_have_the_bits_of_single_points() {
-        let places = points(200.0);
+        let positions = points(200.0);
         let mut bright = 0;
         for class in (0..6).map(|seed| class(seed, 300.0)) {
             let rays = |p: &Points| {
@@ -306,10 +306,10 @@ mod tests {
                 class.add_rays(p, 1.0, &mut bright);
                 bright
             };
-            let together = rays(&Points::at(places));
+            let together = rays(&Points::at(positions));
             bright += together.iter().filter(|&&b| b > 0.0).count();
             for i in 0..LANES {
-                assert_eq!(rays(&alone(&places, i))[0].to_bits(), together[i].to_bits(), "point {i}");
+                assert_eq!(rays(&alone(&positions, i))[0].to_bits(), together[i].to_bits(), "point {i}");
             }
         }
         assert!(bright > 0, "no rays");

@@ -93,8 +93,8 @@ pub(crate) fn bowl(t: f32, complex: f32) -> f32 {
 #[inline(always)]
 fn terraces(height: f32, noise: f32) -> f32 {
     let up = ((height + 1.0) * (1.0 / (1.0 + RIM))).clamp(0.0, 1.0);
-    let place = up * LEDGES + 1.6 * noise;
-    let share = place - ((place + ROUND) - ROUND);
+    let phase = up * LEDGES + 1.6 * noise;
+    let share = phase - ((phase + ROUND) - ROUND);
     let wave = share * (1.0 - 4.0 * share * share);
     -(1.0 + RIM) * (0.5 / LEDGES) * wave * (4.0 * up * (1.0 - up))
 }

@@ -45,7 +45,7 @@ impl Class {
         let fade = 1.0 - (t / self.reach2).sqrt();
         let length = (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]).sqrt().max(1e-6);
         let away = axes(|k| v[k] / length);
-        // Noise of the direction is constant along rays; noise of the place breaks them up.
+        // Noise of the direction is constant along rays; noise of the position breaks them up.
         let seed = self.streaks ^ site;
         // The larger the crater, the more and the finer its rays; small ones have a few broad lobes.
         let lines = noise_at(seed, axes(|k| away[k] * (1.6 + 3.0 * self.shape.complex)));

@@ -2,8 +2,8 @@
 //! decides everything else about its crater.
 //!
 //! A turned cube about the planet has a square lattice of cells on each side, seen along that side's axis. A cell holds at most one
-//! site, anywhere in it, and only where its axis is the longest: so each place belongs to one side, and craters cross from side to
-//! side without a seam. Nothing reaches farther than [`REACH`] of a cell, so a point has four cells to ask, on most of the
+//! site, anywhere in it, and only where its axis is the longest: so each point belongs to one side, and craters cross from side
+//! to side without a seam. Nothing reaches farther than [`REACH`] of a cell, so a point has four cells to ask, on most of the
 //! planet of one side alone.
 
 use crate::terrain::noise::{nearest, Lattice, PRIMES};
@@ -128,7 +128,7 @@ impl Sites {
     /// First cell that the chunk can be touched from and how many there are on each axis, if they are few and on one half.
     #[inline(always)]
     fn few_cells(&self, turned: &Turned, side: usize) -> Option<([f64; 2], [u32; 2])> {
-        let cell = |k: usize, metres: f64| nearest(self.lattice.place(k, metres)).1;
+        let cell = |k: usize, metres: f64| nearest(self.lattice.coordinate(k, metres)).1;
         let [i, j] = across(side);
         let from = [cell(i, turned.low[i]), cell(j, turned.low[j])];
         let counts = [cell(i, turned.high[i]) - from[0] + 2.0, cell(j, turned.high[j]) - from[1] + 2.0];

@@ -1,6 +1,6 @@
 //! How much a heightmap counts near samples without data: nothing at them, fully some samples away.
 //!
-//! In: the samples. Out: a weight for any place between them. Distances go by chamfer steps (Borgefors 1986).
+//! In: the samples. Out: a weight for any position between them. Distances go by chamfer steps (Borgefors 1986).
 
 use super::smoothstep;
 use std::f64::consts::SQRT_2;
@@ -31,7 +31,7 @@ impl Cover {
         Some(Cover { columns, rows, weights })
     }
 
-    /// Weight at a place between samples (bilinear); 0 next to a gap.
+    /// Weight at a position between samples (bilinear); 0 next to a gap.
     pub(super) fn at(&self, column: f64, row: f64, wraps: bool) -> f64 {
         let (c, r) = (column.floor(), row.floor());
         let (across, down) = (column - c, row - r);

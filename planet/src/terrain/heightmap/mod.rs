@@ -4,12 +4,12 @@
 //! Between samples: Catmull-Rom (1974), clamped to the range of heights.
 
 mod cover;
-mod place;
+mod footprint;
 
 use crate::recipe;
 use crate::recipe::{HeightScale, Recipe, RecipeError};
 use cover::Cover;
-use place::{Place, Spot};
+use footprint::{Footprint, Spot};
 use terrane_heightfield::import;
 use terrane_heightfield::import::{Imported, Values};
 
@@ -30,7 +30,7 @@ pub(crate) struct Heightmap {
     /// Where the file has no data, if anywhere.
     cover: Option<Cover>,
     scale: Scale,
-    place: Place,
+    footprint: Footprint,
     /// Value and weight that the poles take on a map of the whole planet: means of the first and of the last row.
     poles: [(f64, f64); 2],
 }
@@ -86,18 +86,19 @@ impl Heightmap {
         let image = import::read(&asset.bytes, &asset.name)
             .map_err(|e| fault(e.found.into(), &format!("{}; {}", e.expected, e.fault.advice())))?;
         let scale = Scale::new(&image, &map.heights).map_err(|(found, expected)| fault(found, expected))?;
-        let place = Place::new(&image, &map.placement, recipe.radius).map_err(|(found, expected)| fault(found, &expected))?;
+        let footprint =
+            Footprint::new(&image, &map.placement, recipe.radius).map_err(|(found, expected)| fault(found, &expected))?;
         let cover = Cover::new(&image.field);
         let (columns, rows, mut field) = (image.field.columns(), image.field.rows(), image.field);
         field.fill_gaps();
-        let mut map = Self { columns, rows, samples: field.into_heights(), cover, scale, place, poles: [(0.0, 1.0); 2] };
+        let mut map = Self { columns, rows, samples: field.into_heights(), cover, scale, footprint, poles: [(0.0, 1.0); 2] };
         map.poles = [0, rows - 1].map(|row| map.row_mean(row));
         Ok(map)
     }
 
     /// Height in metres and weight (0 to 1) at a unit direction.
     pub(crate) fn at(&self, d: [f64; 3]) -> (f64, f64) {
-        let Some(spot) = self.place.locate(d) else { return (0.0, 0.0) };
+        let Some(spot) = self.footprint.locate(d) else { return (0.0, 0.0) };
         let (value, weight) = self.value(&spot);
         (self.scale.low_m + self.scale.span_m * value, weight)
     }
@@ -108,7 +109,7 @@ impl Heightmap {
     }
 
     fn value(&self, spot: &Spot) -> (f64, f64) {
-        let wraps = self.place.wraps();
+        let wraps = self.footprint.wraps();
         let value = self.sample(spot.column, spot.row, wraps);
         let cover = self.cover.as_ref().map_or(1.0, |cover| cover.at(spot.column, spot.row, wraps));
         if !wraps {

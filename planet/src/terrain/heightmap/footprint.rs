@@ -20,7 +20,7 @@ const FARTHEST_LATITUDE_DEG: f64 = 85.0;
 /// Room in a grid's reach for rounding, in degrees.
 const REACH_ROOM_DEG: f64 = 1e-6;
 
-/// A place on a map.
+/// A position on a map.
 pub(super) struct Spot {
     pub(super) column: f64,
     pub(super) row: f64,
@@ -28,7 +28,7 @@ pub(super) struct Spot {
 }
 
 /// Where a map lies.
-pub(super) enum Place {
+pub(super) enum Footprint {
     Planet { columns: f64, rows: f64 },
     Rectangle(Rectangle),
     Grid(Grid),
@@ -37,44 +37,44 @@ pub(super) enum Place {
 /// What was found and what was expected.
 type Fault = (String, String);
 
-impl Place {
-    pub(super) fn new(image: &Imported, placement: &Placement, radius: f64) -> Result<Place, Fault> {
+impl Footprint {
+    pub(super) fn new(image: &Imported, placement: &Placement, radius: f64) -> Result<Footprint, Fault> {
         match *placement {
-            Placement::Planet => Place::planet(image),
-            Placement::File { blend_m } => Grid::new(image, blend_m, radius).map(Place::Grid),
+            Placement::Planet => Footprint::planet(image),
+            Placement::File { blend_m } => Grid::new(image, blend_m, radius).map(Footprint::Grid),
             Placement::Local { latitude_deg, longitude_deg, width_m, heading_deg, blend_m } => {
                 let frame = frame(latitude_deg, longitude_deg, heading_deg);
-                Rectangle::new(image, frame, width_m, blend_m, radius).map(Place::Rectangle)
+                Rectangle::new(image, frame, width_m, blend_m, radius).map(Footprint::Rectangle)
             }
         }
     }
 
-    fn planet(image: &Imported) -> Result<Place, Fault> {
+    fn planet(image: &Imported) -> Result<Footprint, Fault> {
         let (columns, rows) = (image.field.columns(), image.field.rows());
         if columns != 2 * rows {
             let elsewhere = if image.grid.is_some() { ", or `placement = \"file\"` to put it where the file says" } else { "" };
             let found = format!("{columns} x {rows} samples");
             return Err((found, format!("a whole-planet map twice as wide as high{elsewhere}")));
         }
-        Ok(Place::Planet { columns: columns as f64, rows: rows as f64 })
+        Ok(Footprint::Planet { columns: columns as f64, rows: rows as f64 })
     }
 
     /// Whether the last column's neighbour is the first.
     pub(super) fn wraps(&self) -> bool {
-        matches!(self, Place::Planet { .. })
+        matches!(self, Footprint::Planet { .. })
     }
 
-    /// The place on the map, if the direction falls on it.
+    /// The position on the map, if the direction falls on it.
     pub(super) fn locate(&self, d: [f64; 3]) -> Option<Spot> {
         match self {
-            Place::Planet { columns, rows } => {
+            Footprint::Planet { columns, rows } => {
                 let longitude = atan2(d[1], d[0]);
                 let latitude = atan2(d[2], (d[0] * d[0] + d[1] * d[1]).sqrt());
                 let column = (longitude / (2.0 * PI) + 0.5) * columns - 0.5;
                 Some(Spot { column, row: (0.5 - latitude / PI) * rows - 0.5, weight: 1.0 })
             }
-            Place::Rectangle(rectangle) => rectangle.locate(d),
-            Place::Grid(grid) => grid.locate(d),
+            Footprint::Rectangle(rectangle) => rectangle.locate(d),
+            Footprint::Grid(grid) => grid.locate(d),
         }
     }
 }
@@ -184,29 +184,39 @@ impl Grid {
                             `latitude_deg`, `longitude_deg` and `width_m`";
             ("a file that does not state its place".to_owned(), expected.to_owned())
         };
-        let place = image.grid.ok_or_else(unknown)?;
+        let geographic = image.grid.ok_or_else(unknown)?;
         let last = [image.field.columns() as f64 - 1.0, image.field.rows() as f64 - 1.0];
-        let (south, extent) = (place.south(image.field.rows()), [place.step_east * last[0], place.step_south * last[1]]);
-        let far = place.north.max(-south);
+        let (south, extent) =
+            (geographic.south(image.field.rows()), [geographic.step_east * last[0], geographic.step_south * last[1]]);
+        let far = geographic.north.max(-south);
         if extent[0].max(extent[1]) > WIDEST_GRID_DEG || far > FARTHEST_LATITUDE_DEG {
             let found =
-                format!("{:.3} x {:.3} degrees between latitudes {south:.3} and {:.3}", extent[0], extent[1], place.north);
+                format!("{:.3} x {:.3} degrees between latitudes {south:.3} and {:.3}", extent[0], extent[1], geographic.north);
             let expected = "at most 90 degrees a side, within 85 degrees of the equator; leave out `placement` for a map of \
                             the whole planet";
             return Err((found, expected.to_owned()));
         }
-        Ok(Grid::at(place, south, extent, last, radius)).and_then(|grid| grid.blended(blend_m, far))
+        Ok(Grid::at(geographic, south, extent, last, radius)).and_then(|grid| grid.blended(blend_m, far))
     }
 
-    fn at(place: GeographicGrid, south: f64, extent: [f64; 2], last: [f64; 2], radius: f64) -> Grid {
-        let middle = place.west + 0.5 * extent[0];
+    fn at(geographic: GeographicGrid, south: f64, extent: [f64; 2], last: [f64; 2], radius: f64) -> Grid {
+        let middle = geographic.west + 0.5 * extent[0];
         let middle_longitude = middle - 360.0 * ((middle + 180.0) / 360.0).floor();
-        let [centre, ..] = frame(0.5 * (place.north + south), middle_longitude, 0.0);
+        let [centre, ..] = frame(0.5 * (geographic.north + south), middle_longitude, 0.0);
         // No point is farther than half the way along a meridian and then along a parallel.
         let reach = 0.5 * (extent[0] + extent[1]) + REACH_ROOM_DEG;
-        let spacing_m = [place.step_east, place.step_south].map(|step| step * (PI / 180.0) * radius);
-        let step = [place.step_east, place.step_south];
-        Grid { centre, cos_reach: sin_cos(reach).1, middle_longitude, north: place.north, step, last, spacing_m, blend_m: 0.0 }
+        let spacing_m = [geographic.step_east, geographic.step_south].map(|step| step * (PI / 180.0) * radius);
+        let step = [geographic.step_east, geographic.step_south];
+        Grid {
+            centre,
+            cos_reach: sin_cos(reach).1,
+            middle_longitude,
+            north: geographic.north,
+            step,
+            last,
+            spacing_m,
+            blend_m: 0.0,
+        }
     }
 
     fn blended(self, blend_m: Option<f64>, far: f64) -> Result<Grid, Fault> {
