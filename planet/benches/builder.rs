@@ -19,7 +19,7 @@ use terrane_planet::recipe::Recipe;
 const CELLS: u32 = 128;
 
 /// Land with mountains, lowland, and mostly sea; latitude and longitude in degrees.
-const PLACES: [(f64, f64); 3] = [(36.62, 106.05), (10.0, 20.0), (-30.0, 140.0)];
+const SITES: [(f64, f64); 3] = [(36.62, 106.05), (10.0, 20.0), (-30.0, 140.0)];
 
 fn planet(name: &str) -> Planet {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("recipes/{name}.toml"));
@@ -29,7 +29,7 @@ fn planet(name: &str) -> Planet {
 
 fn patches(levels: &[u8]) -> Vec<PatchId> {
     let at = |(latitude, longitude), level| PatchId::containing(direction_at(latitude, longitude), level);
-    PLACES.into_iter().flat_map(|place| levels.iter().map(move |&level| at(place, level))).collect()
+    SITES.into_iter().flat_map(|site| levels.iter().map(move |&level| at(site, level))).collect()
 }
 
 /// Milliseconds of the best of a few runs.

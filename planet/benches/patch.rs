@@ -13,8 +13,8 @@ fn parts(criterion: &mut Criterion) {
     for name in ["terra", "luna"] {
         let planet = planet(name);
         let ground = planet.ground();
-        for (level, (place, id)) in LEVELS.into_iter().flat_map(|level| patches(level).take(2).map(move |patch| (level, patch))) {
-            let mut group = criterion.benchmark_group(format!("{name}, level {level}, {place}"));
+        for (level, (site, id)) in LEVELS.into_iter().flat_map(|level| patches(level).take(2).map(move |patch| (level, patch))) {
+            let mut group = criterion.benchmark_group(format!("{name}, level {level}, {site}"));
             group.sample_size(20);
             group.bench_function("heights", |b| b.iter(|| HeightGrid::sample(&ground, id)));
             let grid = HeightGrid::sample(&ground, id);

@@ -17,11 +17,11 @@ use terrane_planet::recipe::Recipe;
 const LEVEL: u8 = 17;
 const QUERIES: usize = 1024;
 
-/// The ground around a place, known to [`LEVEL`].
-fn known(planet: &Planet, place: DVec3) -> KnownGround {
+/// The ground around a site, known to [`LEVEL`].
+fn known(planet: &Planet, site: DVec3) -> KnownGround {
     let ground = planet.ground();
     let mut known = KnownGround::new(planet.lattice, planet.cells);
-    let around = (0..LEVEL).filter_map(|level| PatchId::containing(place, level).children()).flatten();
+    let around = (0..LEVEL).filter_map(|level| PatchId::containing(site, level).children()).flatten();
     for id in PatchId::roots().chain(around) {
         known.insert(PatchGrid::sample(&ground, id));
     }
@@ -31,15 +31,15 @@ fn known(planet: &Planet, place: DVec3) -> KnownGround {
 fn queries(c: &mut Criterion) {
     let recipe = Recipe::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/terra.toml")).expect("a shipped recipe");
     let planet = Planet::from_recipe(recipe, 128).expect("a shipped recipe");
-    let place = direction_at(36.62, 106.05);
-    let known = known(&planet, place);
+    let site = direction_at(36.62, 106.05);
+    let known = known(&planet, site);
     let radius = planet.recipe.radius;
     let mut random = Random::new(1);
     let mut aside = |metres: f64| DVec3::from_array(std::array::from_fn(|_| random.range(-metres, metres))) / radius;
-    let near: Vec<DVec3> = (0..QUERIES).map(|_| (place + aside(40.0)).normalize()).collect();
+    let near: Vec<DVec3> = (0..QUERIES).map(|_| (site + aside(40.0)).normalize()).collect();
     let anywhere: Vec<DVec3> = (0..QUERIES).map(|_| (aside(radius)).normalize()).collect();
-    let eye = planet.position_above(place, 50.0);
-    let sights: Vec<DVec3> = (0..QUERIES).map(|_| (aside(radius) - 0.5 * place).normalize()).collect();
+    let eye = planet.position_above(site, 50.0);
+    let sights: Vec<DVec3> = (0..QUERIES).map(|_| (aside(radius) - 0.5 * site).normalize()).collect();
 
     let mut group = c.benchmark_group("ground");
     group.throughput(Throughput::Elements(QUERIES as u64));

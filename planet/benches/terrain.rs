@@ -12,10 +12,10 @@ fn heights(criterion: &mut Criterion) {
         let planet = planet(name);
         let ground = planet.ground();
         let mut group = criterion.benchmark_group(name);
-        for (level, (place, id)) in LEVELS.into_iter().flat_map(|level| patches(level).map(move |patch| (level, patch))) {
+        for (level, (site, id)) in LEVELS.into_iter().flat_map(|level| patches(level).map(move |patch| (level, patch))) {
             let side = u64::from(2 * planet.cells + 9);
             group.throughput(Throughput::Elements(side * side));
-            group.bench_function(format!("level {level}, {place}"), |b| b.iter(|| HeightGrid::sample(&ground, id)));
+            group.bench_function(format!("level {level}, {site}"), |b| b.iter(|| HeightGrid::sample(&ground, id)));
         }
     }
 }

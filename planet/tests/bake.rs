@@ -33,14 +33,14 @@ fn unbalanced(patches: &[PatchId]) -> Option<PatchId> {
     patches.iter().copied().find(|id| !sound(id))
 }
 
-fn places() -> [(f64, f64); 6] {
+fn sites() -> [(f64, f64); 6] {
     // Mid-face, a cube edge, a cube corner, both poles, and a spot beside an edge.
     [(10.0, 20.0), (0.0, 45.0), (35.264_389_7, 45.0), (90.0, 0.0), (-90.0, 0.0), (44.9, -90.3)]
 }
 
 #[test]
 fn regions_are_balanced_also_over_cube_edges_and_corners() {
-    for (latitude, longitude) in places() {
+    for (latitude, longitude) in sites() {
         for radius in [0.0, 10e3, 2000e3] {
             let region = region(latitude, longitude, radius, 7);
             let plan = BakePlan::new(RADIUS, 2, Some(region)).unwrap();
@@ -86,8 +86,8 @@ fn impossible_plans_are_refused() {
     assert_eq!(BakePlan::new(RADIUS, 1, Some(region(0.0, 0.0, 20e6, 14))), Err(PlanError::TooMany));
     assert_eq!(BakePlan::new(RADIUS, 3, Some(region(0.0, 0.0, 1.0, 3))), Err(PlanError::RegionNotFiner { found: 3, levels: 3 }));
     let nowhere = Region { direction: DVec3::ZERO, radius_m: 1.0, to_level: 9 };
-    assert!(matches!(BakePlan::new(RADIUS, 3, Some(nowhere)), Err(PlanError::NoPlace { .. })));
-    assert!(matches!(BakePlan::new(RADIUS, 3, Some(region(0.0, 0.0, f64::NAN, 5))), Err(PlanError::NoPlace { .. })));
+    assert!(matches!(BakePlan::new(RADIUS, 3, Some(nowhere)), Err(PlanError::NoRegion { .. })));
+    assert!(matches!(BakePlan::new(RADIUS, 3, Some(region(0.0, 0.0, f64::NAN, 5))), Err(PlanError::NoRegion { .. })));
 }
 
 fn tiny() -> Planet {

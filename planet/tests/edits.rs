@@ -25,8 +25,8 @@ fn tiny() -> Recipe {
     Recipe::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes/tiny.toml")).unwrap()
 }
 
-fn edit_at(place: DVec3, radius_m: f64, shape: Shape) -> Edit {
-    let (latitude_deg, longitude_deg) = place_of(place);
+fn edit_at(site: DVec3, radius_m: f64, shape: Shape) -> Edit {
+    let (latitude_deg, longitude_deg) = place_of(site);
     Edit { latitude_deg, longitude_deg, radius_m, shape }
 }
 
@@ -91,7 +91,7 @@ fn differing(a: &Rows, b: &Rows) -> Vec<PatchId> {
     a.iter().filter(|(id, row)| b.get(id) != Some(row)).map(|(&id, _)| id).collect()
 }
 
-fn places() -> Vec<(&'static str, DVec3)> {
+fn sites() -> Vec<(&'static str, DVec3)> {
     let corner = |x: i32, y: i32, z: i32| direction(IVec3::new(x, y, z));
     vec![
         ("a patch's middle", corner(ONE, ONE / 8, ONE / 8)),
@@ -110,11 +110,11 @@ fn edited_files_equal_bakes_of_the_edited_recipe() {
     let shapes =
         [Shape::Crater { depth_m: 90.0, ground_m: Some(50.0) }, Shape::Flatten { height_m: 333.0 }, Shape::Raise { by_m: -60.0 }];
     let mut beyond = 0;
-    for (k, (name, place)) in places().into_iter().enumerate() {
+    for (k, (name, site)) in sites().into_iter().enumerate() {
         let folder = tempfile::tempdir().unwrap();
         let mut file = copy(folder.path());
         let before = rows(&file);
-        let edit = edit_at(place, [900.0, 1200.0, 1500.0][k % 3], shapes[(k + k / 3) % 3]);
+        let edit = edit_at(site, [900.0, 1200.0, 1500.0][k % 3], shapes[(k + k / 3) % 3]);
         let changed = make(&mut file, edit);
         let fresh_planet = Planet::from_recipe(changed.planet.recipe.clone(), CELLS).unwrap();
         let plan = BakePlan::new(fresh_planet.recipe.radius, LEVELS, None).unwrap();
@@ -126,7 +126,7 @@ fn edited_files_equal_bakes_of_the_edited_recipe() {
         assert!(!reached.is_empty() && reached.len() <= changed.touched, "{name}: {} of {}", reached.len(), changed.touched);
         assert!(changed.touched < 60, "{name}: {} patches touched", changed.touched);
         // Patches whose own ground the edit does not reach, but the samples around it that gutters and borders need.
-        let far = |id: &&PatchId| id.centre().angle_between(place) * 30e3 > edit.reach_m() + 38e3 / f64::from(1u32 << id.level);
+        let far = |id: &&PatchId| id.centre().angle_between(site) * 30e3 > edit.reach_m() + 38e3 / f64::from(1u32 << id.level);
         beyond += reached.iter().filter(far).count();
         let changed = undo_last(&mut file).unwrap();
         assert_eq!(changed.planet.recipe.text, tiny().text, "{name}");
@@ -153,13 +153,13 @@ fn the_comparison_finds_a_patch_that_was_not_rebuilt() {
 #[test]
 fn deep_regions_and_coarse_grids_keep_no_stale_patch() {
     let folder = tempfile::tempdir().unwrap();
-    for (cells, place) in [(8, DVec3::ONE.normalize()), (16, direction(IVec3::new(ONE / 2, ONE, ONE / 64)))] {
+    for (cells, site) in [(8, DVec3::ONE.normalize()), (16, direction(IVec3::new(ONE / 2, ONE, ONE / 64)))] {
         let planet = Planet::from_recipe(tiny(), cells).unwrap();
-        let region = Region { direction: place, radius_m: 20.0, to_level: 8 };
+        let region = Region { direction: site, radius_m: 20.0, to_level: 8 };
         let plan = BakePlan::new(planet.recipe.radius, 0, Some(region)).unwrap();
         let mut file = baked(&folder.path().join(format!("{cells}.planet")), &planet, &plan);
         for (offset, radius_m) in [(0.0, 20.0), (3e-3, 60.0)] {
-            let edit = edit_at((place + DVec3::new(0.0, offset, 0.0)).normalize(), radius_m, CRATER);
+            let edit = edit_at((site + DVec3::new(0.0, offset, 0.0)).normalize(), radius_m, CRATER);
             let changed = make(&mut file, edit);
             let fresh_planet = Planet::from_recipe(changed.planet.recipe, cells).unwrap();
             let fresh = rows(&baked(&folder.path().join(format!("{cells} {offset}.planet")), &fresh_planet, &plan));
@@ -172,10 +172,10 @@ fn deep_regions_and_coarse_grids_keep_no_stale_patch() {
 fn several_edits_are_undone_in_reverse_order() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
-    let place = DVec3::new(0.2, -1.0, 0.4).normalize();
+    let site = DVec3::new(0.2, -1.0, 0.4).normalize();
     let mut texts = vec![file.header().recipe.clone()];
     for shape in [CRATER, Shape::Flatten { height_m: -20.0 }, Shape::Raise { by_m: 5.5 }] {
-        make(&mut file, edit_at(place, 400.0, shape));
+        make(&mut file, edit_at(site, 400.0, shape));
         texts.push(file.header().recipe.clone());
     }
     assert_eq!(planet_of(&file).recipe.edits.len(), 3);
@@ -241,7 +241,7 @@ fn an_edit_removes_cached_patches_of_the_old_ground() {
     let folder = tempfile::tempdir().unwrap();
     let mut file = copy(folder.path());
     let planet = planet_of(&file);
-    let [near, far] = [DVec3::X, DVec3::NEG_X].map(|place| PatchId::containing(place, 5));
+    let [near, far] = [DVec3::X, DVec3::NEG_X].map(|site| PatchId::containing(site, 5));
     let cached = [near, far].map(|id| {
         let (mesh, texture, _) = planet.build(id);
         BakedPatch::new(&mesh, &texture).unwrap()
@@ -297,7 +297,7 @@ fn edits_keep_the_lattice_and_the_height_range() {
         let mesh = planet.build(PatchId::containing(DVec3::Y, 6)).0;
         assert!(f64::from(mesh.heights[0]) + planet.lattice.radius > planet.ground_radius());
     }
-    assert!(matches!(with(Shape::Raise { by_m: 1.01 * room }), Err(PlanetError::EditTooHigh { place: 1, .. })));
+    assert!(matches!(with(Shape::Raise { by_m: 1.01 * room }), Err(PlanetError::EditTooHigh { number: 1, .. })));
 }
 
 #[test]

@@ -42,8 +42,8 @@ impl Tiny {
 
     /// A view over the finest patches, towards the horizon.
     fn view(&self, altitude: f64) -> View {
-        let place = direction_at(20.0, 30.0);
-        let position = self.planet.position_above(place, altitude);
+        let site = direction_at(20.0, 30.0);
+        let position = self.planet.position_above(site, altitude);
         let camera = Camera::looking(position, 40.0, -25.0, 0.9, [640, 360]);
         View::new(camera, &self.planet.lattice, self.planet.cells, 1.0).without_geomorphs()
     }

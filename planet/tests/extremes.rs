@@ -33,8 +33,8 @@ enum Sight {
 
 /// Cameras by name. `ground` gives the height of what is drawn, in metres.
 fn cameras(ground: &KnownGround) -> Vec<(&'static str, Camera, Sight)> {
-    let above = |place: DVec3, metres: f64, pitch: f64| {
-        let position = place * (FIELD.radius + ground.height_at(place).unwrap().height + metres);
+    let above = |site: DVec3, metres: f64, pitch: f64| {
+        let position = site * (FIELD.radius + ground.height_at(site).unwrap().height + metres);
         Camera::looking(position, 30.0, pitch, 0.9, [640, 360])
     };
     let mountain = highest();
@@ -47,7 +47,7 @@ fn cameras(ground: &KnownGround) -> Vec<(&'static str, Camera, Sight)> {
         ("far away, away", above(DVec3::Z, 1e9, 90.0), Sight::Nothing),
         ("up", above(mountain, 3.0, 90.0), Sight::Nothing),
     ];
-    let places = [
+    let sites = [
         ("north pole", DVec3::Z),
         ("south pole", -DVec3::Z),
         ("beside a pole", DVec3::new(1e-12, 0.0, 1.0).normalize()),
@@ -57,9 +57,9 @@ fn cameras(ground: &KnownGround) -> Vec<(&'static str, Camera, Sight)> {
         ("patch corner", PatchId::containing(DVec3::ONE, 4).centre()),
         ("mountain top", mountain),
     ];
-    for (name, place) in places {
+    for (name, site) in sites {
         for (metres, pitch) in [(2.0, -60.0), (5e3, -40.0), (6e4, -90.0), (1e9, -90.0)] {
-            all.push((name, above(place, metres, pitch), Sight::Ground));
+            all.push((name, above(site, metres, pitch), Sight::Ground));
         }
     }
     all
@@ -75,9 +75,9 @@ fn known(planet: &Planet) -> KnownGround {
 }
 
 fn highest() -> DVec3 {
-    let places = (0..4000)
+    let sites = (0..4000)
         .map(|k| DVec3::new(f64::from(k % 20) - 9.5, f64::from(k / 20 % 20) - 9.5, f64::from(k / 400) - 4.5).normalize());
-    places.max_by(|a, b| FIELD.at(*a).total_cmp(&FIELD.at(*b))).unwrap()
+    sites.max_by(|a, b| FIELD.at(*a).total_cmp(&FIELD.at(*b))).unwrap()
 }
 
 fn all_finite(view: &View) -> bool {
@@ -88,7 +88,7 @@ fn all_finite(view: &View) -> bool {
         && words.iter().chain(&numbers).chain(&view.gpu.offset).chain(view.gpu.planes.iter().flatten()).all(|x| x.is_finite())
 }
 
-/// Rays through places all over the picture, the middle among them.
+/// Rays through points all over the picture, the middle among them.
 fn pixels(camera: &Camera) -> Vec<Ray> {
     let (h, v) = camera.half_extents();
     let through = |x: f64, y: f64| (camera.forward + camera.right() * (h * x) + camera.up * (v * y)).normalize();
@@ -157,18 +157,18 @@ fn what_lies_behind_the_horizon_is_not_drawn() {
     let planet = planet(&FIELD, CELLS);
     let known = known(&planet);
     // The finest patches lie around one face corner. For a camera above the opposite corner they are on the far side.
-    let place = direction(IVec3::new(-ONE, -ONE, -ONE));
-    let far: Vec<PatchId> = planet.tree.ids().filter(|id| id.centre().dot(place) < -0.8).collect();
+    let site = direction(IVec3::new(-ONE, -ONE, -ONE));
+    let far: Vec<PatchId> = planet.tree.ids().filter(|id| id.centre().dot(site) < -0.8).collect();
     assert!(far.len() > 50, "{} patches prove little", far.len());
     for metres in [2.0, 3e3, 1e5, 1e9] {
-        let radius = FIELD.radius + known.height_at(place).unwrap().height + metres;
+        let radius = FIELD.radius + known.height_at(site).unwrap().height + metres;
         let sees = |camera: Camera| {
             let view = View::new(camera, &planet.tree.lattice, CELLS, 0.1);
             far.iter().filter(|id| is_visible(&planet.tree, &view, planet.tree.get(**id).unwrap())).count()
         };
-        let looking_down = |place: DVec3| Camera::looking(place * radius, 0.0, -90.0, 0.9, [640, 360]);
-        assert_eq!(sees(looking_down(place)), 0, "from {metres} m");
-        assert!(sees(looking_down(-place)) > 0, "from {metres} m above them nothing is seen either");
+        let looking_down = |site: DVec3| Camera::looking(site * radius, 0.0, -90.0, 0.9, [640, 360]);
+        assert_eq!(sees(looking_down(site)), 0, "from {metres} m");
+        assert!(sees(looking_down(-site)) > 0, "from {metres} m above them nothing is seen either");
     }
 }
 

@@ -1,4 +1,4 @@
-//! Heightmap layers: files that know their place lie there at true scale, gaps leave the ground alone, and recipes that do
+//! Heightmap layers: files that know their site lie there at true scale, gaps leave the ground alone, and recipes that do
 //! not fit their file are refused.
 
 #![allow(clippy::unwrap_used, reason = "a failed unwrap is a failed test")]
@@ -28,7 +28,7 @@ fn mapped(name: &str, bytes: Vec<u8>, keys: &str) -> Result<Terrain, String> {
 /// GeoTIFF keys: coordinates in degrees on WGS 84, samples at points.
 const GEOGRAPHIC: [u16; 16] = [1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 2, 2048, 0, 1, 4326];
 
-/// A 64 × 32 GeoTIFF with steps of 1/100 degree whose first sample lies at a place; no data is -32768.
+/// A 64 × 32 GeoTIFF with steps of 1/100 degree whose first sample lies at a site; no data is -32768.
 fn geotiff([north, west]: [f64; 2], keys: &[u16], sample: impl Fn(usize, usize) -> i16) -> Vec<u8> {
     let samples: Vec<i16> = (0..64 * 32).map(|i| sample(i % 64, i / 64)).collect();
     let mut bytes = Cursor::new(Vec::new());
@@ -48,7 +48,7 @@ fn at(terrain: &Terrain, latitude: f64, longitude: f64) -> f64 {
 
 #[test]
 fn a_file_lies_where_it_says() {
-    // A peak at column 40, row 10; the second place crosses the date line.
+    // A peak at column 40, row 10; the second site crosses the date line.
     for [north, west] in [[36.0, -85.0], [-12.0, 179.8]] {
         let peak = |c: usize, r: usize| if (c, r) == (40, 10) { 900 } else { 100 };
         let terrain =
@@ -152,10 +152,10 @@ fn jacksboro_lies_at_its_place() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes");
     let recipe = Recipe::load(&folder.join("jacksboro.toml")).unwrap();
     let file = load(&folder.join("jacksboro_fault_dem.tif")).unwrap();
-    let (terrain, place) = (Terrain::new(&recipe).unwrap(), file.grid.unwrap());
+    let (terrain, grid) = (Terrain::new(&recipe).unwrap(), file.grid.unwrap());
     let mut worst: f64 = 0.0;
     for (column, row) in (48..355).step_by(7).flat_map(|c| (40..304).step_by(7).map(move |r| (c, r))) {
-        let [north, east] = [place.north - row as f64 * place.step_south, place.west + column as f64 * place.step_east];
+        let [north, east] = [grid.north - row as f64 * grid.step_south, grid.west + column as f64 * grid.step_east];
         let wanted = f64::from(file.field.at(column, row));
         worst = worst.max((terrain.height(direction_at(north, east)) - wanted).abs());
     }

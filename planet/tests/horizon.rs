@@ -1,4 +1,4 @@
-//! Horizon angles and ambient occlusion of patches, against angles that brute force finds on the terrain at many more places.
+//! Horizon angles and ambient occlusion of patches, against angles that brute force finds on the terrain at many more directions.
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
@@ -17,11 +17,11 @@ fn planet(name: &str) -> Planet {
     Planet::from_recipe(Recipe::load(&recipe).unwrap(), CELLS).unwrap()
 }
 
-/// A sun low over a place, in the azimuth of a number.
-fn low_sun(place: DVec3, azimuth: f64) -> DVec3 {
-    let east = DVec3::Z.cross(place).normalize();
-    let north = place.cross(east);
-    (0.15 * place + east * azimuth.sin() + north * azimuth.cos()).normalize()
+/// A sun low over a site, in the azimuth of a number.
+fn low_sun(site: DVec3, azimuth: f64) -> DVec3 {
+    let east = DVec3::Z.cross(site).normalize();
+    let north = site.cross(east);
+    (0.15 * site + east * azimuth.sin() + north * azimuth.cos()).normalize()
 }
 
 /// Sine of the horizon angle by brute force: the terrain at steps of an eighth of a cell near the place, and at longer ones farther away.
@@ -39,7 +39,7 @@ fn brute(planet: &Planet, up: DVec3, sun: DVec3, cell: f64) -> f64 {
     most
 }
 
-/// A place in Luna's highlands: in a mare a sun of any azimuth sees the same horizon.
+/// A site in Luna's highlands: in a mare a sun of any azimuth sees the same horizon.
 const CRATERED: [f64; 2] = [-20.0, -60.0];
 
 /// Differences of maps from brute force over patches of a planet, sorted. The maps are made for a sun that is turned by `turn` radians.

@@ -1,7 +1,7 @@
 //! Geomorphs: the drawn surface moves in proportion to the viewer's motion, and never jumps.
 //!
 //! Between two frames the surface is probed along rays from the planet's centre: through every drawn vertex of both frames, and through
-//! random places, inside both pictures. A motion is the radial distance between the two hits, in pixels as the camera sees it.
+//! random points, inside both pictures. A motion is the radial distance between the two hits, in pixels as the camera sees it.
 
 use crate::common::TestField;
 use crate::whole_planet::{planet, Planet};
@@ -24,8 +24,8 @@ const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: 
 /// Finest level of the test planet.
 const FINEST: u8 = 5;
 
-/// Random places a patch and pair of frames.
-const RANDOM_PLACES: usize = 20;
+/// Random points a patch and pair of frames.
+const RANDOM_POINTS: usize = 20;
 
 /// Motions below so many pixels need not halve. Turns on the spot cause few larger ones: the weights of vertices in the picture follow
 /// their distance alone, which does not change, and vertices that come into the picture end their geomorphs in the middle of a step.
@@ -39,8 +39,8 @@ struct DrawnPatch {
     leaf: Leaf,
     weights: Vec<f32>,
     surface: PatchSurface<DVec3>,
-    /// Corners of triangles, and random places on triangles.
-    places: Vec<DVec3>,
+    /// Corners of triangles, and random points on triangles.
+    points: Vec<DVec3>,
 }
 
 /// One frame: the patches that may be in the picture, and all of the cut.
@@ -58,7 +58,7 @@ impl Frame {
         Frame { view, patches, leaves }
     }
 
-    /// Distance of the surface from the planet's centre; `None` where rounding puts a place beside the patch it lies on.
+    /// Distance of the surface from the planet's centre; `None` where rounding puts a point beside the patch it lies on.
     fn radius(&self, through: DVec3) -> Option<f64> {
         let ids = (0..=FINEST).map(|level| PatchId::containing(through.normalize(), level));
         let patch = ids.filter_map(|id| self.patches.get(&id)).next()?;
@@ -73,19 +73,19 @@ fn drawn(planet: &Planet, view: &View, leaf: &Leaf) -> DrawnPatch {
     let selected = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
     let resolved = resolve(vertices, &selected.awake);
     let triangles = emit(&view.gpu, &patch.triangles(&work), &resolved, &selected.drawn_positions);
-    let place = |v: u32| exact_position(vertices, v, selected.drawn_positions[v as usize].weight);
+    let position = |v: u32| exact_position(vertices, v, selected.drawn_positions[v as usize].weight);
     let corners: HashSet<u32> = triangles.iter().flatten().copied().collect();
-    let mut places: Vec<DVec3> = corners.into_iter().map(place).collect();
+    let mut points: Vec<DVec3> = corners.into_iter().map(position).collect();
     let mut random = Random::new(u64::from(leaf.id.x) << 20 | u64::from(leaf.id.y));
-    for _ in 0..RANDOM_PLACES {
-        let [a, b, c] = triangles[random.bits() as usize % triangles.len()].map(place);
+    for _ in 0..RANDOM_POINTS {
+        let [a, b, c] = triangles[random.bits() as usize % triangles.len()].map(position);
         let (u, v) = (random.unit(), random.unit());
         let (u, v) = if u + v > 1.0 { (1.0 - u, 1.0 - v) } else { (u, v) };
-        places.push(a + (b - a) * u + (c - a) * v);
+        points.push(a + (b - a) * u + (c - a) * v);
     }
     let surface = PatchSurface::of_drawn(vertices, &selected.drawn_positions, &triangles);
     let weights = selected.drawn_positions.iter().map(|drawn| drawn.weight).collect();
-    DrawnPatch { leaf: *leaf, weights, surface, places }
+    DrawnPatch { leaf: *leaf, weights, surface, points }
 }
 
 /// The largest motion between two frames.
@@ -94,7 +94,7 @@ struct Motion {
     pixels: f64,
     /// Largest motion as a share of what a geomorph may cause: one tolerance while the viewer moves by the geomorph's length.
     share_of_slide: f64,
-    places: usize,
+    points: usize,
     cut_changed: bool,
 }
 
@@ -103,7 +103,7 @@ impl Motion {
         Motion {
             pixels: self.pixels.max(other.pixels),
             share_of_slide: self.share_of_slide.max(other.share_of_slide),
-            places: self.places + other.places,
+            points: self.points + other.points,
             cut_changed: self.cut_changed || other.cut_changed,
         }
     }
@@ -116,24 +116,24 @@ fn motion(a: &Frame, b: &Frame, moved: f64) -> Motion {
         for patch in one.patches.values() {
             let same = other.patches.get(&patch.leaf.id).is_some_and(|p| p.leaf == patch.leaf && p.weights == patch.weights);
             if !same {
-                patch.places.iter().for_each(|&place| probe(a, b, place, moved, &mut found));
+                patch.points.iter().for_each(|&point| probe(a, b, point, moved, &mut found));
             }
         }
     }
     found
 }
 
-fn probe(a: &Frame, b: &Frame, place: DVec3, moved: f64, found: &mut Motion) {
-    let seen = |view: &View| view.planes.iter().all(|plane| plane.dot(place - view.eye) <= 0.0);
+fn probe(a: &Frame, b: &Frame, point: DVec3, moved: f64, found: &mut Motion) {
+    let seen = |view: &View| view.planes.iter().all(|plane| plane.dot(point - view.eye) <= 0.0);
     if !seen(&a.view) || !seen(&b.view) {
         return;
     }
-    let (Some(first), Some(second)) = (a.radius(place), b.radius(place)) else { return };
-    let pixels = (first - second).abs() / place.distance(a.view.eye) / a.view.camera.pixel_angle();
+    let (Some(first), Some(second)) = (a.radius(point), b.radius(point)) else { return };
+    let pixels = (first - second).abs() / point.distance(a.view.eye) / a.view.camera.pixel_angle();
     let slide = a.view.tolerance * (1.0 + a.view.falloff) * moved / (MORPH_REACH - 1.0);
     found.pixels = found.pixels.max(pixels);
     found.share_of_slide = found.share_of_slide.max(pixels / slide);
-    found.places += 1;
+    found.points += 1;
 }
 
 /// How a viewer moves: an approach straight down, a turn on the spot, a flight past.
@@ -146,7 +146,7 @@ enum Path {
 
 /// Where a path begins.
 struct Viewpoint {
-    place: DVec3,
+    site: DVec3,
     height: f64,
     /// Radians above the horizontal.
     pitch: f64,
@@ -157,7 +157,7 @@ struct Viewpoint {
 impl Viewpoint {
     /// The view `way` along the path: in heights of the viewer, or in radians of a turn.
     fn view(&self, planet: &Planet, way: f64, geomorphs: bool) -> View {
-        let up = self.place;
+        let up = self.site;
         let ahead = up.any_orthonormal_vector();
         let base = up * (FIELD.radius + FIELD.at(up) + self.height);
         let (position, turn) = match self.path {
@@ -195,15 +195,15 @@ impl Viewpoint {
     }
 }
 
-/// Paths over several places at several tolerances, all certified.
+/// Paths over several sites at several tolerances, all certified.
 fn viewpoints(planet: &Planet) -> Vec<Viewpoint> {
-    let places = [DVec3::ONE, DVec3::new(1.0, 0.98, 0.9), DVec3::new(1.0, 0.2, 1.0), DVec3::new(-0.3, 0.5, 0.8)];
+    let sites = [DVec3::ONE, DVec3::new(1.0, 0.98, 0.9), DVec3::new(1.0, 0.2, 1.0), DVec3::new(-0.3, 0.5, 0.8)];
     let mut viewpoints = Vec::new();
     for (k, tolerance) in [0.5, 1.0, 2.0].into_iter().enumerate() {
         for (p, path) in [Path::Approach, Path::Pan, Path::FlyBy].into_iter().enumerate() {
             for (i, height) in [1_500.0, 8_000.0].into_iter().enumerate() {
-                let place = places[(k + p + i) % places.len()].normalize();
-                let viewpoint = Viewpoint { place, height, pitch: -0.6, tolerance, path };
+                let site = sites[(k + p + i) % sites.len()].normalize();
+                let viewpoint = Viewpoint { site, height, pitch: -0.6, tolerance, path };
                 assert!(viewpoint.view(planet, 0.0, true).scale >= 1.0);
                 viewpoints.push(viewpoint);
             }
@@ -270,10 +270,10 @@ fn changes_of_the_cut(planet: &Planet, viewpoint: &Viewpoint) -> Vec<[View; 2]> 
 fn where_the_cut_changes_the_surface_moves_by_two_tolerances_at_most() {
     let planet = planet(&FIELD, 16);
     let (mut worst, mut changes, mut unchecked) = (0.0f64, 0, 0.0f64);
-    let places = [DVec3::ONE, DVec3::new(1.0, 0.95, 0.98), DVec3::new(1.0, 0.97, 1.0), DVec3::new(0.98, 1.0, 0.96)];
-    for (place, tolerance) in places.into_iter().zip([0.5, 1.0, 2.0, 1.0]) {
-        let place = place.normalize();
-        let viewpoint = Viewpoint { place, height: 600_000.0, pitch: -1.5, tolerance, path: Path::Approach };
+    let sites = [DVec3::ONE, DVec3::new(1.0, 0.95, 0.98), DVec3::new(1.0, 0.97, 1.0), DVec3::new(0.98, 1.0, 0.96)];
+    for (site, tolerance) in sites.into_iter().zip([0.5, 1.0, 2.0, 1.0]) {
+        let site = site.normalize();
+        let viewpoint = Viewpoint { site, height: 600_000.0, pitch: -1.5, tolerance, path: Path::Approach };
         for [before, after] in changes_of_the_cut(&planet, &viewpoint) {
             let [a, b] = [before, after].map(|view| Frame::new(&planet, view, &|_| true));
             let moved = motion(&a, &b, STEP).pixels;

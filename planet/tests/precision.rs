@@ -41,7 +41,7 @@ struct Site {
     planet: Planet,
     patches: Vec<LoadedPatch>,
     ground: KnownGround,
-    place: DVec3,
+    up: DVec3,
 }
 
 impl Site {
@@ -54,14 +54,14 @@ impl Site {
         let above = std::iter::successors(Some(parent), |id| id.parent()).flat_map(|id| id.children().unwrap());
         above.for_each(|id| assert!(ground.insert(PatchGrid::sample(&planet.ground(), id))));
         let patches = meshes.into_iter().map(|mesh| LoadedPatch::new(mesh, &planet.lattice)).collect();
-        Site { place: parent.centre(), planet, patches, ground }
+        Site { up: parent.centre(), planet, patches, ground }
     }
 
     /// The camera after some steps, [`HEIGHT`] above where it began.
     fn camera(&self, heading: f64, steps: usize) -> Camera {
-        let datum = self.planet.recipe.radius + self.ground.height_at(self.place).unwrap().height;
-        let start = Camera::looking(self.place * (datum + HEIGHT), heading, -20.0, 0.9, SIZE);
-        let along = (start.forward - self.place * start.forward.dot(self.place)).normalize();
+        let datum = self.planet.recipe.radius + self.ground.height_at(self.up).unwrap().height;
+        let start = Camera::looking(self.up * (datum + HEIGHT), heading, -20.0, 0.9, SIZE);
+        let along = (start.forward - self.up * start.forward.dot(self.up)).normalize();
         Camera { position: start.position + (along * 0.8 + start.right() * 0.6) * (STEP * steps as f64), ..start }
     }
 
@@ -76,18 +76,18 @@ fn pixels(x: f64, y: f64, w: f64) -> [f64; 2] {
 }
 
 /// As `draw.vert` does it, in single precision.
-fn drawn(view: &View, place: Vec3) -> [f64; 2] {
-    let clip = Mat4::from_cols_array_2d(&view.gpu.clip) * (place * view.gpu.unit).extend(1.0);
+fn drawn(view: &View, position: Vec3) -> [f64; 2] {
+    let clip = Mat4::from_cols_array_2d(&view.gpu.clip) * (position * view.gpu.unit).extend(1.0);
     let screen = (Vec2::new(clip.x, clip.y) / clip.w).as_dvec2();
     pixels(screen.x, screen.y, 1.0)
 }
 
-/// Pixel coordinates of a place in lattice units from the eye, in f64; `None` outside of the picture.
-fn seen(view: &View, place: DVec3) -> Option<[f64; 2]> {
+/// Pixel coordinates of a point in lattice units from the eye, in f64; `None` outside of the picture.
+fn seen(view: &View, point: DVec3) -> Option<[f64; 2]> {
     let camera = &view.camera;
-    let place = place * f64::from(view.gpu.unit);
+    let point = point * f64::from(view.gpu.unit);
     let (h, v) = camera.half_extents();
-    let (x, y, w) = (place.dot(camera.right()) / h, -place.dot(camera.up) / v, place.dot(camera.forward));
+    let (x, y, w) = (point.dot(camera.right()) / h, -point.dot(camera.up) / v, point.dot(camera.forward));
     (w > NEAREST && x.abs() < w && y.abs() < w).then(|| pixels(x, y, w))
 }
 
@@ -112,7 +112,7 @@ struct Precision {
     compared: usize,
 }
 
-fn measure(site: &Site, heading: f64, place: &dyn Fn(&View, &PatchVertex, [f32; 3]) -> Vec3) -> Precision {
+fn measure(site: &Site, heading: f64, position: &dyn Fn(&View, &PatchVertex, [f32; 3]) -> Vec3) -> Precision {
     let mut found = Precision::default();
     // The differences of each vertex in the latest two steps.
     let mut before: HashMap<(usize, usize), [Option<[f64; 2]>; 2]> = HashMap::new();
@@ -122,7 +122,7 @@ fn measure(site: &Site, heading: f64, place: &dyn Fn(&View, &PatchVertex, [f32; 
             let Selected { awake, drawn_positions } = select(&view.gpu, &patch.vertices, 0);
             for v in (0..drawn_positions.len()).filter(|v| awake[v / 32] >> (v % 32) & 1 == 1) {
                 let Some(truth) = seen(&view, exact(&view, &patch.vertices, v)) else { continue };
-                let drawn = drawn(&view, place(&view, &patch.vertices[v], drawn_positions[v].place));
+                let drawn = drawn(&view, position(&view, &patch.vertices[v], drawn_positions[v].place));
                 let off = [drawn[0] - truth[0], drawn[1] - truth[1]];
                 let [one, two] = before.insert((k, v), [Some(off), None]).unwrap_or_default();
                 before.insert((k, v), [Some(off), one]);
@@ -148,7 +148,7 @@ fn sites() -> &'static [Site; 3] {
 fn nothing_jitters_or_swims_a_metre_from_the_eye() {
     for site in sites() {
         for heading in [20.0, 200.0] {
-            let found = measure(site, heading, &|_, _, place| Vec3::from_array(place));
+            let found = measure(site, heading, &|_, _, position| Vec3::from_array(position));
             assert!(found.compared > 1000, "{found:?}");
             assert!(found.off < OFF && found.jitter < JITTER, "{found:?}");
         }
@@ -163,8 +163,8 @@ fn single_precision_without_the_lattice_is_noticed() {
         |view: &View, vertex: &PatchVertex, _: [f32; 3]| IVec3::from_array(vertex.position).as_vec3() - view.eye.as_vec3();
     let found = measure(site, 20.0, &naive);
     assert!(found.off > 10.0, "{found:?}");
-    // An eye that is rounded to the lattice stays in place for some frames, then jumps.
-    let jumps = |view: &View, _: &PatchVertex, place: [f32; 3]| Vec3::from_array(place) + Vec3::from_array(view.gpu.offset);
+    // An eye that is rounded to the lattice stays in position for some frames, then jumps.
+    let jumps = |view: &View, _: &PatchVertex, position: [f32; 3]| Vec3::from_array(position) + Vec3::from_array(view.gpu.offset);
     let found = measure(site, 20.0, &jumps);
     assert!(found.off > 100.0 * OFF && found.jitter > 100.0 * JITTER, "{found:?}");
 }

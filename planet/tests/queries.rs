@@ -51,8 +51,8 @@ fn known(field: &TestField, leaves: &[PatchId]) -> KnownGround {
     known
 }
 
-/// A place on a random triangle of a patch's grid, in lattice units, and whether the triangle is at the border of the patch.
-fn place(random: &mut Random, field: &TestField, id: PatchId) -> (DVec3, bool) {
+/// A point on a random triangle of a patch's grid, in lattice units, and whether the triangle is at the border of the patch.
+fn random_point(random: &mut Random, field: &TestField, id: PatchId) -> (DVec3, bool) {
     let ground = field.ground(CELLS);
     let triangles = grid_triangles(CELLS);
     let corners = triangles[random.bits() as usize % triangles.len()];
@@ -73,13 +73,13 @@ fn worst(known: &KnownGround, leaves: &[PatchId]) -> [f64; 2] {
     let mut worst = [0.0f64; 2];
     for &id in leaves {
         for _ in 0..60 {
-            let (place, border) = place(&mut random, &FIELD, id);
-            let found = known.height_at(place * 17.0).unwrap();
-            // Beside a patch of another level, rounded corners may put the place into that patch.
+            let (point, border) = point(&mut random, &FIELD, id);
+            let found = known.height_at(point * 17.0).unwrap();
+            // Beside a patch of another level, rounded corners may put the point into that patch.
             if border && found.level != id.level {
                 continue;
             }
-            let wanted = (place.length() - known.lattice.radius) * known.lattice.unit;
+            let wanted = (point.length() - known.lattice.radius) * known.lattice.unit;
             worst[usize::from(border)] = worst[usize::from(border)].max((found.height - wanted).abs() / known.lattice.unit);
         }
     }
@@ -119,36 +119,36 @@ fn sampled_grids_are_those_of_built_patches() {
         let (mesh, _) = PatchMesh::build(&ground, id, &HeightGrid::sample(&ground, id));
         let (built, sampled) = (PatchGrid::of_mesh(&mesh, &ground.lattice), PatchGrid::sample(&ground, id));
         for _ in 0..50 {
-            let direction = place(&mut random, &FIELD, id).0.normalize();
+            let direction = random_point(&mut random, &FIELD, id).0.normalize();
             assert!(built.radius(direction).is_some() && built.radius(direction) == sampled.radius(direction), "{id}");
         }
     }
 }
 
-/// How far below the ground a place is, in metres.
-fn depth(known: &KnownGround, place: DVec3) -> f64 {
-    known.height_at(place).unwrap().height - (place.length() - FIELD.radius)
+/// How far below the ground a point is, in metres.
+fn depth(known: &KnownGround, point: DVec3) -> f64 {
+    known.height_at(point).unwrap().height - (point.length() - FIELD.radius)
 }
 
-/// The place's direction and directions on all sides of it.
-fn around(place: DVec3) -> impl Iterator<Item = DVec3> {
+/// The point's direction and directions on all sides of it.
+fn around(point: DVec3) -> impl Iterator<Item = DVec3> {
     let offset = |k: usize| DVec3::new([-1e-7, 1e-7][k % 2], [-1e-7, 1e-7][k / 2 % 2], [-1e-7, 1e-7][k / 4]);
-    (0..8).map(move |k| place.normalize() + offset(k))
+    (0..8).map(move |k| point.normalize() + offset(k))
 }
 
-/// Whether a place is below the ground of all patches around it.
-fn is_inside(known: &KnownGround, place: DVec3) -> bool {
+/// Whether a point is below the ground of all patches around it.
+fn is_inside(known: &KnownGround, point: DVec3) -> bool {
     let below =
-        |direction| known.height_at(direction).unwrap().height + FIELD.radius - place.length() > BORDER * known.lattice.unit;
-    below(place) && around(place).all(below)
+        |direction| known.height_at(direction).unwrap().height + FIELD.radius - point.length() > BORDER * known.lattice.unit;
+    below(point) && around(point).all(below)
 }
 
-/// Rays from above the ground towards places on it or a little below, many of them grazing.
+/// Rays from above the ground towards points on it or a little below, many of them grazing.
 fn rays(known: &KnownGround, leaves: &[PatchId], count: usize) -> Vec<(DVec3, DVec3)> {
     let mut random = Random::new(21);
     let mut ray = || {
         let leaf = leaves[random.bits() as usize % leaves.len()];
-        let target = place(&mut random, &FIELD, leaf).0 * known.lattice.unit;
+        let target = random_point(&mut random, &FIELD, leaf).0 * known.lattice.unit;
         let aside = target.normalize().any_orthonormal_vector() * random.range(-1.0, 1.0)
             + target.normalize().cross(target.normalize().any_orthonormal_vector()) * random.range(-1.0, 1.0);
         let from = (target.normalize() + aside * 2.0f64.powf(-8.0 * random.unit())).normalize();
@@ -161,9 +161,9 @@ fn rays(known: &KnownGround, leaves: &[PatchId], count: usize) -> Vec<(DVec3, DV
     for &leaf in leaves {
         let points = [(0, 0), (0, 1), (2, 0), (2, 2), (1, 2), (1, 1)].map(|(a, b)| direction(leaf.point(a, b, 2)));
         // Where levels differ, they begin above the higher ground and end below the lower.
-        let heights = |place| around(place).map(|place| FIELD.radius + known.height_at(place).unwrap().height);
-        let above = points.map(|place| place * (heights(place).fold(0.0, f64::max) + 40.0));
-        let below = points.map(|place| place * (heights(place).fold(f64::MAX, f64::min) - 10.0));
+        let heights = |direction| around(direction).map(|direction| FIELD.radius + known.height_at(direction).unwrap().height);
+        let above = points.map(|direction| direction * (heights(direction).fold(0.0, f64::max) + 40.0));
+        let below = points.map(|direction| direction * (heights(direction).fold(f64::MAX, f64::min) - 10.0));
         rays.extend(below.into_iter().flat_map(|target| above.map(|origin| (origin, target - origin))));
     }
     rays
@@ -186,8 +186,8 @@ fn rays_end_where_they_first_come_below_the_ground() {
         steps += usize::from(above > rounding);
         rays_met += 1;
         for k in 0..200 {
-            let place = origin + ray * (hit.distance * f64::from(k) / 200.0);
-            assert!(!is_inside(&known, place), "below the ground at {place}, before {hit:?} from {origin}");
+            let point = origin + ray * (hit.distance * f64::from(k) / 200.0);
+            assert!(!is_inside(&known, point), "below the ground at {point}, before {hit:?} from {origin}");
         }
     }
     assert!(steps < rays_met / 20, "{steps} of {rays_met} rays ended elsewhere than on the surface");
@@ -203,12 +203,12 @@ fn steps_between_levels_stop_rays() {
     let mut stopped = 0;
     for _ in 0..2000 {
         let leaf = fine[random.bits() as usize % fine.len()];
-        let place = place(&mut random, &FIELD, leaf).0 * known.lattice.unit;
-        let up = place.normalize();
+        let point = random_point(&mut random, &FIELD, leaf).0 * known.lattice.unit;
+        let up = point.normalize();
         let along = (up.any_orthonormal_vector() * random.range(-1.0, 1.0)
             + up.cross(up.any_orthonormal_vector()) * random.range(-1.0, 1.0))
         .normalize();
-        let origin = place + up * 0.5;
+        let origin = point + up * 0.5;
         let Some(hit) = known.raycast(origin, along) else { continue };
         let depth = depth(&known, hit.position + along * 1e-3);
         stopped += usize::from(depth > 1.0);
@@ -234,13 +234,13 @@ fn rays_from_afar_are_as_exact_as_those_from_nearby() {
     let known = known(&FIELD, &leaves());
     let mut random = Random::new(4);
     for &id in &leaves() {
-        let place = place(&mut random, &FIELD, id).0.normalize();
-        let ground = known.height_at(place).unwrap().height;
+        let site = random_point(&mut random, &FIELD, id).0.normalize();
+        let ground = known.height_at(site).unwrap().height;
         for distance in [10.0, 1e5, 1e9] {
-            let hit = known.raycast(place * (FIELD.radius + ground + distance), -place).unwrap();
+            let hit = known.raycast(site * (FIELD.radius + ground + distance), -site).unwrap();
             assert!((hit.distance - distance).abs() < 1e-3 + distance * 1e-9 && (hit.height - ground).abs() < 1e-3, "{hit:?}");
         }
-        let away = known.raycast(place * (FIELD.radius + ground + 1.0), place);
+        let away = known.raycast(site * (FIELD.radius + ground + 1.0), site);
         assert_eq!(away, None);
     }
     assert_eq!(known.raycast(DVec3::new(1e9, 0.0, 1e5), -DVec3::X), None);
@@ -285,19 +285,19 @@ fn refined_ground_comes_as_near_to_the_terrain_as_was_asked() {
     let planet = tiny();
     let known = Arc::new(RwLock::new(KnownGround::new(planet.lattice, planet.cells)));
     let refiner = Refiner::new(planet.clone(), known.clone());
-    let place = direction_at(47.0, 11.0);
-    let error = || (known.read().unwrap().height_at(place).unwrap().height - planet.terrain.height(place)).abs();
+    let site = direction_at(47.0, 11.0);
+    let error = || (known.read().unwrap().height_at(site).unwrap().height - planet.terrain.height(site)).abs();
     let mut errors = Vec::new();
     for spacing in [2000.0, 50.0, 0.5] {
-        let refinement = refiner.refine(place, spacing);
+        let refinement = refiner.refine(site, spacing);
         assert!(refinement.wait(PATIENCE) && refinement.is_done());
-        let found = known.read().unwrap().height_at(place).unwrap();
+        let found = known.read().unwrap().height_at(site).unwrap();
         assert!(found.spacing <= spacing && found.spacing > spacing / 2.0, "{found:?}");
         errors.push(error());
     }
     assert!(errors[2] < 0.05 && errors[0] > 20.0 * errors[2], "{errors:?}");
     let built = known.read().unwrap().len();
-    assert!(refiner.refine(place, 0.5).is_done() && known.read().unwrap().len() == built, "it was refined twice");
+    assert!(refiner.refine(site, 0.5).is_done() && known.read().unwrap().len() == built, "it was refined twice");
 }
 
 #[test]

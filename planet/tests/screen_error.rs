@@ -49,7 +49,7 @@ fn natural(planet: &Planet, view: &View) -> ScreenError {
 /// The kinds of probes at which the builder's bound holds by construction.
 const AT_SAMPLES: [Probe; 2] = [Probe::Sleeper, Probe::FinerSample];
 
-/// Largest share of its tolerance that any view shows at the places of some kinds.
+/// Largest share of its tolerance that any view shows at the points of some kinds.
 fn worst_share(errors: impl Iterator<Item = (View, ScreenError)>, probes: &[Probe]) -> f64 {
     let (mut worst, mut count) = (0.0f64, 0);
     for (view, error) in errors {
@@ -141,8 +141,8 @@ fn a_surface_out_of_place_is_as_many_pixels_off() {
     let lifted = 20.0 * view.camera.pixel_angle() * nearest;
     let lift = |_: &Planet, _: PatchId, vertices: &mut Vec<PatchVertex>| {
         for vertex in vertices {
-            let place = glam::IVec3::from_array(vertex.position).as_dvec3();
-            vertex.position = (place + place.normalize() * lifted).round().as_ivec3().to_array();
+            let position = glam::IVec3::from_array(vertex.position).as_dvec3();
+            vertex.position = (position + position.normalize() * lifted).round().as_ivec3().to_array();
         }
     };
     let found = error_of(&planet, &view, &cut(&planet.tree, &view, &|_| true), &|_| true, &lift).readings;

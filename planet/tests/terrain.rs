@@ -61,9 +61,9 @@ fn close_points_that_share_craters_have_the_bits_of_single_points() {
     // with single points.
     for name in ["luna", "mars", "tiny"] {
         let (recipe, terrain) = (recipe(name), terrain(name));
-        for (place, spacing) in spread(12).into_iter().flat_map(|d| [0.3, 4.0, 70.0, 900.0].map(|s| (d, s))) {
-            let along = place.any_orthonormal_vector() * (spacing / recipe.radius);
-            let row: Vec<DVec3> = (0..128).map(|i| (place + along * f64::from(i)).normalize()).collect();
+        for (site, spacing) in spread(12).into_iter().flat_map(|d| [0.3, 4.0, 70.0, 900.0].map(|s| (d, s))) {
+            let along = site.any_orthonormal_vector() * (spacing / recipe.radius);
+            let row: Vec<DVec3> = (0..128).map(|i| (site + along * f64::from(i)).normalize()).collect();
             for (d, h) in row.iter().zip(heights(&terrain, &row)) {
                 assert_eq!(terrain.height(*d).to_bits(), h.to_bits(), "{name}, {spacing} m apart, at {d}");
             }
@@ -141,11 +141,11 @@ fn terra_is_mostly_ocean() {
     assert!((0.60..0.72).contains(&wet), "{wet}");
     let deep = ground.iter().filter(|&&h| h < -3000.0).count() as f64 / ground.len() as f64;
     assert!(deep > 0.3, "abyssal plains cover {deep}");
-    // Places 90 km apart seldom are summits: more places are evaluated around the highest of them.
-    let (mut places, near) = (spread(60_000), spread(400));
-    places.sort_by_cached_key(|&place| -terrain.height(place) as i64);
+    // Sites 90 km apart seldom are summits: more sites are evaluated around the highest of them.
+    let (mut sites, near) = (spread(60_000), spread(400));
+    sites.sort_by_cached_key(|&site| -terrain.height(site) as i64);
     let closely: Vec<DVec3> =
-        places[..20].iter().flat_map(|&place| near.iter().map(move |&d| (place + d * 0.006).normalize())).collect();
+        sites[..20].iter().flat_map(|&site| near.iter().map(move |&d| (site + d * 0.006).normalize())).collect();
     let highest = heights(&terrain, &closely).iter().copied().fold(0.0, f64::max);
     assert!((6000.0..10_500.0).contains(&highest), "highest {highest}");
 }
@@ -336,9 +336,9 @@ fn colours_about_the_poles_are_the_same_in_any_slice() {
 
 #[test]
 fn the_north_of_mars_is_low() {
-    let (terrain, places) = (terrain("mars"), spread(4000));
+    let (terrain, sites) = (terrain("mars"), spread(4000));
     let mean = |sign: f64| {
-        let half: Vec<DVec3> = places.iter().copied().filter(|d| d.z * sign > 0.4).collect();
+        let half: Vec<DVec3> = sites.iter().copied().filter(|d| d.z * sign > 0.4).collect();
         heights(&terrain, &half).iter().sum::<f64>() / half.len() as f64
     };
     assert!(mean(-1.0) - mean(1.0) > 2500.0, "{} and {}", mean(1.0), mean(-1.0));
@@ -415,19 +415,19 @@ fn a_map_of_the_planet_lies_at_its_place() {
 #[test]
 fn a_local_map_lies_at_its_place() {
     // 4000 m wide, its right half white; centre at 30 N 40 E.
-    let place = "latitude_deg = 30.0\nlongitude_deg = 40.0\nwidth_m = 4000.0\nblend_m = 400.0\n";
+    let placement = "latitude_deg = 30.0\nlongitude_deg = 40.0\nwidth_m = 4000.0\nblend_m = 400.0\n";
     let bytes = grey16(64, 64, |x, _| u16::from(x >= 32) * 65_535);
     let centre = turned(30.0, 40.0);
     let at = |terrain: &Terrain, east: f64, north: f64| {
         let e = DVec3::Z.cross(centre).normalize();
         terrain.height((centre + (e * east + centre.cross(e) * north) / 10_000.0).normalize())
     };
-    let level = mapped(bytes.clone(), place).unwrap();
+    let level = mapped(bytes.clone(), placement).unwrap();
     assert!((at(&level, 1000.0, 0.0) - 900.0).abs() < 1e-6 && (at(&level, -1000.0, 0.0) + 100.0).abs() < 1e-6);
     assert_eq!(at(&level, 2100.0, 0.0), 0.0, "beyond the edge the ground is as before");
     assert!((at(&level, 1800.0, 0.0) - 450.0).abs() < 1.0, "half-way through the blend");
     assert_eq!(level.height(-centre), 0.0, "the far side is untouched");
     // Turned by 90 degrees the image's right edge points south.
-    let turned_map = mapped(bytes, &format!("{place}heading_deg = 90.0\n")).unwrap();
+    let turned_map = mapped(bytes, &format!("{placement}heading_deg = 90.0\n")).unwrap();
     assert!((at(&turned_map, 0.0, -1000.0) - 900.0).abs() < 1e-6 && (at(&turned_map, 0.0, 1000.0) + 100.0).abs() < 1e-6);
 }

@@ -20,8 +20,8 @@ pub(crate) fn planet(name: &str) -> Planet {
     Planet::from_recipe(recipe, CELLS).unwrap_or_else(|e| panic!("{e}"))
 }
 
-/// Patches of a level at places named for what terra has there.
+/// Patches of a level at sites named for what terra has there.
 pub(crate) fn patches(level: u8) -> impl Iterator<Item = (&'static str, PatchId)> {
-    let places = [("coast", 36.62, 106.05), ("mountains", -20.0, -150.0), ("ocean", 20.0, 10.0)];
-    places.into_iter().map(move |(name, lat, lon)| (name, PatchId::containing(direction_at(lat, lon), level)))
+    let sites = [("coast", 36.62, 106.05), ("mountains", -20.0, -150.0), ("ocean", 20.0, 10.0)];
+    sites.into_iter().map(move |(name, lat, lon)| (name, PatchId::containing(direction_at(lat, lon), level)))
 }

@@ -1,12 +1,12 @@
 //! The orientation term of selection (Hoppe 1997): an error is radial, and one that is seen end-on moves few pixels.
 //!
-//! In: where the eye is, and how steep the selection distance may become. Out: a distance that takes the place of that to the eye. With
-//! p from the eye to a place x, an error e at x subtends e sin(p, x) / |p|, so any distance up to |p| / sin(p, x) keeps the
-//! certificate. Closure asks for more: it must change by at most `slope` a unit of way. The larger of |p| and
+//! In: where the eye is, and how steep the selection distance may become. Out: a distance that takes the place of that to the
+//! eye. With p from the eye to a point x, an error e at x subtends e sin(p, x) / |p|, so any distance up to |p| / sin(p, x) keeps
+//! the certificate. Closure asks for more: it must change by at most `slope` a unit of way. The larger of |p| and
 //! height · h − side · r, with h how far x lies below the eye along the eye's own vertical and r how far aside, does both. Its second part is linear in h and r, so its slope is √(height² + side²) everywhere. On a flat ground, where
 //! sin(p, x) = r / |p|, it stays below (h² + r²) / r if height² ≤ 4 (1 + side). On a planet the vertical at x leans away from the
 //! eye's by an angle θ, and sin(p, x) ≤ (r + h sin θ) / |p|; then `height` must be 2 √((1 + side)(1 + ε²)) − (2 + side) ε, where ε
-//! is the largest sin θ of the places for which the second part is the larger one. From far up nothing is left of it.
+//! is the largest sin θ of the points for which the second part is the larger one. From far up nothing is left of it.
 
 use crate::globe::lattice::LatticeBox;
 use glam::DVec3;
@@ -16,9 +16,9 @@ use glam::DVec3;
 pub struct Orientation {
     /// The eye's vertical, a unit vector.
     pub up: DVec3,
-    /// Weight of the height of the eye over a place.
+    /// Weight of the height of the eye over a point.
     pub height: f64,
-    /// Weight of how far aside a place lies.
+    /// Weight of how far aside a point lies.
     pub side: f64,
 }
 
@@ -42,11 +42,11 @@ impl Orientation {
         self.height.hypot(self.side).max(1.0)
     }
 
-    /// The distance of a place, given from the eye.
-    pub fn distance(&self, place: DVec3) -> f64 {
-        let below = -place.dot(self.up);
-        let aside = place.cross(self.up).length();
-        place.length().max(self.height * below - self.side * aside)
+    /// The distance of a point, given from the eye.
+    pub fn distance(&self, point: DVec3) -> f64 {
+        let below = -point.dot(self.up);
+        let aside = point.cross(self.up).length();
+        point.length().max(self.height * below - self.side * aside)
     }
 
     /// A lower bound of `height · h − side · r` over a box, given from the eye: both parts are at their least at a corner (if `side` is
@@ -55,15 +55,15 @@ impl Orientation {
         let (low, high) = (bounds.low.as_dvec3() - eye, bounds.high.as_dvec3() - eye);
         let at = |corner: usize| {
             let pick = |axis: usize| if corner >> axis & 1 == 0 { low[axis] } else { high[axis] };
-            let place = DVec3::new(pick(0), pick(1), pick(2));
-            -self.height * place.dot(self.up) - self.side.max(0.0) * place.cross(self.up).length()
+            let point = DVec3::new(pick(0), pick(1), pick(2));
+            -self.height * point.dot(self.up) - self.side.max(0.0) * point.cross(self.up).length()
         };
         (0..8).map(at).fold(f64::INFINITY, f64::min)
     }
 }
 
-/// The largest sine of the angle at the planet's centre between the eye and a place in sight, `altitude` planet radii below the eye,
-/// whose direction leans from the eye's vertical by a tangent of at most `steepest`.
+/// The largest sine of the angle at the planet's centre between the eye and a point in sight, `altitude` planet radii below the
+/// eye, whose direction leans from the eye's vertical by a tangent of at most `steepest`.
 fn largest_lean(altitude: f64, steepest: f64) -> f64 {
     if altitude <= 0.0 {
         return 0.0;
@@ -108,14 +108,14 @@ mod tests {
         ) {
             let eye = DVec3::X * (RADIUS + altitude.exp());
             let Some(term) = Orientation::new(eye, RADIUS, slope) else { return Ok(()) };
-            // Towards the horizon of the lowest ground, most of the places near the eye.
+            // Towards the horizon of the lowest ground, most of the points near the eye.
             let horizon = (RADIUS / eye.x).acos();
             let angle = horizon * ahead.powi(3);
             let radius = RADIUS + hill.min(eye.x - RADIUS);
             let up = DVec3::new(angle.cos(), angle.sin() * (turn * 6.3).cos(), angle.sin() * (turn * 6.3).sin());
-            let place = up * radius - eye;
-            let aside = place.cross(up).length();
-            prop_assert!(term.distance(place) * aside <= place.length_squared() * (1.0 + 1e-9), "{term:?}");
+            let point = up * radius - eye;
+            let aside = point.cross(up).length();
+            prop_assert!(term.distance(point) * aside <= point.length_squared() * (1.0 + 1e-9), "{term:?}");
         }
 
         #[test]
@@ -139,8 +139,8 @@ mod tests {
             let low = (eye + direction(corner) * far.exp()).round();
             let size = DVec3::splat(size.exp()).round();
             let bounds = LatticeBox { low: low.as_ivec3(), high: (low + size).as_ivec3() };
-            let place = low + size * DVec3::from_array(inside) - eye;
-            prop_assert!(term.least(&bounds, eye) <= term.distance(place) + 1e-6);
+            let point = low + size * DVec3::from_array(inside) - eye;
+            prop_assert!(term.least(&bounds, eye) <= term.distance(point) + 1e-6);
         }
     }
 
@@ -153,8 +153,8 @@ mod tests {
             (1..2000).any(|k| {
                 let angle = f64::from(k) * 1e-5;
                 let up = DVec3::new(angle.cos(), angle.sin(), 0.0);
-                let place = up * RADIUS - eye;
-                term.distance(place) * place.cross(up).length() > place.length_squared() * (1.0 + 1e-9)
+                let point = up * RADIUS - eye;
+                term.distance(point) * point.cross(up).length() > point.length_squared() * (1.0 + 1e-9)
             })
         };
         assert!(!breaks(&term) && breaks(&steeper));

@@ -203,7 +203,7 @@ impl View {
         self
     }
 
-    /// The same view with every awake vertex in its own place.
+    /// The same view with every awake vertex in its own position.
     pub fn without_geomorphs(mut self) -> View {
         self.reach = self.scale;
         self.gpu.reach = self.gpu.scale;
@@ -285,8 +285,8 @@ mod tests {
         let view = View::new(camera(), &Lattice::new(6.371e6, 9e3), 128, 1.0);
         let window = Window { origin: [960, 90], size: [400, 200] };
         let part = view.through(window);
-        let pixel = |view: &View, place: DVec3| {
-            let clip = Mat4::from_cols_array_2d(&view.gpu.clip) * place.as_vec3().extend(1.0);
+        let pixel = |view: &View, point: DVec3| {
+            let clip = Mat4::from_cols_array_2d(&view.gpu.clip) * point.as_vec3().extend(1.0);
             let [x, y] = [clip.x / clip.w, clip.y / clip.w].map(|c| f64::from(0.5 + 0.5 * c));
             let at = |k: usize, share: f64| f64::from(view.window.origin[k]) + share * f64::from(view.window.size[k]);
             [at(0, x), at(1, y)]

@@ -53,7 +53,7 @@ pub fn direction(point: CubePoint) -> DVec3 {
     normalise(warp_component(point.x), warp_component(point.y), warp_component(point.z))
 }
 
-/// Unit direction of a place. Latitude and longitude in degrees; +Z is north, longitude 0 is +X, 90° east is +Y.
+/// Unit direction of a site. Latitude and longitude in degrees; +Z is north, longitude 0 is +X, 90° east is +Y.
 /// Used to aim cameras, not to decide bytes.
 pub fn direction_at(latitude: f64, longitude: f64) -> DVec3 {
     let (lat, lon) = (latitude.to_radians(), longitude.to_radians());

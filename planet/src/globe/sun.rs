@@ -12,7 +12,7 @@ pub const EARTH_TILT: f64 = 23.4393;
 /// Seconds from 1970-01-01T00:00Z to 2000-01-01T12:00Z.
 const J2000: f64 = 946_728_000.0;
 
-/// Latitude and longitude in degrees of the place that has the sun overhead, `seconds` after 1970-01-01T00:00Z.
+/// Latitude and longitude in degrees of the site that has the sun overhead, `seconds` after 1970-01-01T00:00Z.
 pub fn subsolar_point(seconds: f64, tilt_deg: f64) -> [f64; 2] {
     let days = (seconds - J2000) / 86_400.0;
     let t = days / 36_525.0;

@@ -50,12 +50,12 @@ pub enum PlanetError {
     },
     /// An edit that raises or lowers the ground past what can be told apart.
     #[error(
-        "edit {place} ({edit}): the ground there may lie between {} m and {} m, expected within {} m and {} m of the datum; \
+        "edit {number} ({edit}): the ground there may lie between {} m and {} m, expected within {} m and {} m of the datum; \
          make it less deep or high", range.0.round(), range.1.round(), limits.0.ceil(), limits.1.floor()
     )]
     EditTooHigh {
-        /// Place among the edits, from 1.
-        place: usize,
+        /// Number among the edits, from 1.
+        number: usize,
         /// The edit.
         edit: Edit,
         /// Bounds of the heights there, in metres.
@@ -84,7 +84,9 @@ fn check_edits(recipe: &Recipe, terrain: &Terrain, lattice: &Lattice) -> Result<
     let leaves = |range: &(f64, f64)| range.0 < limits.0 || range.1 > limits.1;
     match terrain.edits_range().iter().position(leaves) {
         None => Ok(()),
-        Some(i) => Err(PlanetError::EditTooHigh { place: i + 1, edit: recipe.edits[i], range: terrain.edits_range()[i], limits }),
+        Some(i) => {
+            Err(PlanetError::EditTooHigh { number: i + 1, edit: recipe.edits[i], range: terrain.edits_range()[i], limits })
+        }
     }
 }
 

@@ -33,9 +33,9 @@ pub enum PlanError {
         /// Level of the whole planet.
         levels: u8,
     },
-    /// A centre or radius that is no place.
+    /// A centre or radius of no region.
     #[error("a region of {found} m about {direction}, expected a finite radius of 0 or more about a unit direction")]
-    NoPlace {
+    NoRegion {
         /// Radius asked for.
         found: f64,
         /// Direction asked for.
@@ -60,7 +60,7 @@ impl BakePlan {
     /// the planet's.
     ///
     /// # Errors
-    /// For levels too deep, regions that are no place or not finer, and more than [`MOST_PATCHES`] patches.
+    /// For levels too deep, regions that are none or not finer, and more than [`MOST_PATCHES`] patches.
     pub fn new(radius_m: f64, levels: u8, region: Option<Region>) -> Result<BakePlan, PlanError> {
         let deepest = region.map_or(levels, |r| r.to_level);
         if levels.max(deepest) > MAX_LEVEL {
@@ -106,7 +106,7 @@ fn check_region(region: &Region, levels: u8) -> Result<(), PlanError> {
     if unit && region.radius_m >= 0.0 && region.radius_m.is_finite() {
         Ok(())
     } else {
-        Err(PlanError::NoPlace { found: region.radius_m, direction: region.direction })
+        Err(PlanError::NoRegion { found: region.radius_m, direction: region.direction })
     }
 }
 

@@ -102,7 +102,7 @@ pub fn finish(
     Ok(bake(file, &planet.terrain, &planet.terrain, &plan, threads, progress, stop)?)
 }
 
-/// Mean height of the ground within a radius, in whole millimetres: what a place is flattened to unless a height is given.
+/// Mean height of the ground within a radius, in whole millimetres: what a site is flattened to unless a height is given.
 pub fn mean_height(planet: &Planet, latitude_deg: f64, longitude_deg: f64, radius_m: f64) -> f64 {
     let middle = centre(latitude_deg, longitude_deg);
     let (east, north) = middle.any_orthonormal_pair();
@@ -110,10 +110,10 @@ pub fn mean_height(planet: &Planet, latitude_deg: f64, longitude_deg: f64, radiu
     let steps = -MEAN_SAMPLES..=MEAN_SAMPLES;
     let square = steps.clone().flat_map(|a| steps.clone().map(move |b| (a, b)));
     let disc = square.filter(|(a, b)| a * a + b * b <= MEAN_SAMPLES * MEAN_SAMPLES);
-    let place = |(a, b): (i32, i32)| (middle + (east * f64::from(a) + north * f64::from(b)) * step).normalize();
-    let places: Vec<DVec3> = disc.map(place).collect();
-    let mut heights = vec![0.0; places.len()];
-    planet.terrain.heights(&places, &mut heights);
+    let site = |(a, b): (i32, i32)| (middle + (east * f64::from(a) + north * f64::from(b)) * step).normalize();
+    let sites: Vec<DVec3> = disc.map(site).collect();
+    let mut heights = vec![0.0; sites.len()];
+    planet.terrain.heights(&sites, &mut heights);
     let mean = heights.iter().sum::<f64>() / heights.len() as f64;
     (mean * 1e3).round() / 1e3
 }

@@ -73,17 +73,17 @@ mod tests {
     use crate::recipe::Shape;
     use glam::IVec3;
 
-    fn touched(place: DVec3, radius_m: f64) -> Touched {
-        let (latitude_deg, longitude_deg) = place_of(place);
+    fn touched(site: DVec3, radius_m: f64) -> Touched {
+        let (latitude_deg, longitude_deg) = place_of(site);
         Touched::new(&Edit { latitude_deg, longitude_deg, radius_m, shape: Shape::Raise { by_m: 1.0 } }, 1e6, 16)
     }
 
     fn all(level: u8) -> impl Iterator<Item = PatchId> {
         let count = 1u32 << level;
-        let place = move |k: u32| (k % count, k / count);
+        let tile = move |k: u32| (k % count, k / count);
         Face::ALL
             .into_iter()
-            .flat_map(move |face| (0..count * count).filter_map(move |k| PatchId::new(face, level, place(k).0, place(k).1)))
+            .flat_map(move |face| (0..count * count).filter_map(move |k| PatchId::new(face, level, tile(k).0, tile(k).1)))
     }
 
     #[test]
