@@ -42,7 +42,7 @@ pub struct Selection {
     /// What every vertex is drawn as, at the offsets of the frame's tables.
     pub resolved: Vec<u32>,
     /// Where every vertex is drawn, at the same offsets.
-    pub places: Vec<DrawnVertex>,
+    pub drawn_positions: Vec<DrawnVertex>,
     /// Emitted triangles in no order: patch number above [`VERTEX_BITS`](terrane_planet::draw::layout::VERTEX_BITS), vertex below.
     pub triangles: Vec<[u32; 3]>,
 }
@@ -132,7 +132,7 @@ impl Headless {
         Ok(Selection {
             awake: download(&self.context, &buffers.awake, report.tables.awake_words as usize)?,
             resolved: download(&self.context, &buffers.resolved, report.tables.vertices as usize)?,
-            places: download(&self.context, &buffers.places, report.tables.vertices as usize)?,
+            drawn_positions: download(&self.context, &buffers.places, report.tables.vertices as usize)?,
             triangles: download(&self.context, &buffers.indices, emitted as usize)?,
         })
     }

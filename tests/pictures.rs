@@ -21,7 +21,7 @@ const SIZE: [u32; 2] = [320, 180];
 /// Grid cells of the planets.
 const CELLS: u32 = 32;
 /// Latitude and longitude that the descent ends at, where terra is baked to its finest level.
-const PLACE: [f64; 2] = [-38.95, 34.34];
+const SITE: [f64; 2] = [-38.95, 34.34];
 /// Finest level of terra.
 const FINEST: u8 = 15;
 /// Latitude and longitude of the mountains, and how far about and how finely they are baked.
@@ -198,11 +198,11 @@ fn planets() -> &'static Path {
     static FOLDER: OnceLock<tempfile::TempDir> = OnceLock::new();
     let folder = FOLDER.get_or_init(|| {
         let folder = tempfile::tempdir().unwrap();
-        let place = Region { direction: direction_at(PLACE[0], PLACE[1]), radius_m: 0.0, to_level: FINEST };
+        let near = Region { direction: direction_at(SITE[0], SITE[1]), radius_m: 0.0, to_level: FINEST };
         let [latitude, longitude] = MOUNTAINS;
         let mountains =
             Region { direction: direction_at(latitude, longitude), radius_m: MOUNTAINS_M, to_level: MOUNTAINS_FINEST };
-        let bakes = [("terra", 1, Some(place)), ("terra", 1, Some(mountains)), ("luna", 2, None), ("mars", 2, None)];
+        let bakes = [("terra", 1, Some(near)), ("terra", 1, Some(mountains)), ("luna", 2, None), ("mars", 2, None)];
         for (name, levels, region) in bakes {
             let recipe = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("../planet/recipes/{name}.toml"));
             let planet = Planet::from_recipe(Recipe::load(&recipe).unwrap(), CELLS).unwrap();
@@ -311,7 +311,7 @@ fn a_missing_patch_fails() {
     let whole = PlanetFile::open(&planets().join("terra.planet")).unwrap();
     let path = folder.path().join("holed.planet");
     let mut holed = PlanetFile::create_or_resume(&path, whole.header()).unwrap();
-    let lost = PatchId::containing(direction_at(PLACE[0], PLACE[1]), LOST);
+    let lost = PatchId::containing(direction_at(SITE[0], SITE[1]), LOST);
     let is_below = |mut id: PatchId| {
         while id.level > lost.level {
             id.level -= 1;

@@ -54,14 +54,14 @@ pub(super) enum Command {
     Zoom(f64),
 }
 
-/// Keys that are held to move. Places on the keyboard, not letters.
+/// Keys that are held to move. Positions on the keyboard, not letters.
 fn is_movement(code: KeyCode) -> bool {
     use KeyCode as K;
     matches!(code, K::KeyW | K::KeyA | K::KeyS | K::KeyD | K::KeyQ | K::KeyE | K::Space)
         || matches!(code, K::ControlLeft | K::ControlRight | K::ShiftLeft | K::ShiftRight)
 }
 
-/// What pressing a key asks for, if anything. Digits go by their place, because not all keyboards type them unshifted.
+/// What pressing a key asks for, if anything. Digits go by their position, because not all keyboards type them unshifted.
 pub(super) fn command(physical: PhysicalKey, logical: &Key) -> Option<Command> {
     if let PhysicalKey::Code(code) = physical {
         let digits = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];

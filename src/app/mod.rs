@@ -77,7 +77,7 @@ pub struct FlyOptions {
     pub look: Look,
     /// Largest error of the mesh in pixels.
     pub tolerance: f64,
-    /// Whether vertices slide into their places.
+    /// Whether vertices slide into their positions.
     pub geomorphs: bool,
     /// Whether errors count as they are seen, see [`terrane_planet::draw::orientation`].
     pub orientation: bool,

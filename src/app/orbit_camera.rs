@@ -88,9 +88,9 @@ impl OrbitCamera {
 impl Grip {
     fn at(pose: &Pose, lens: &Lens, pixel: [f64; 2], surface: &dyn Surface) -> Option<Grip> {
         let ray = pose.ray(lens, pixel);
-        let met = surface.meet(pose.position, ray).filter(|place| place.length() < pose.position.length());
-        if let Some(place) = met {
-            return Some(Grip { direction: place.normalize(), radius: place.length() });
+        let met = surface.meet(pose.position, ray).filter(|point| point.length() < pose.position.length());
+        if let Some(point) = met {
+            return Some(Grip { direction: point.normalize(), radius: point.length() });
         }
         // The limb beside the planet, and slopes above the viewer: a sphere as high as what is below them.
         let radius = surface.radius(pose.up());

@@ -38,7 +38,7 @@ pub(super) struct Status<'a> {
     pub(super) device: &'a str,
     /// Whether the view is in free flight.
     pub(super) flying: bool,
-    /// Whether vertices slide into their places.
+    /// Whether vertices slide into their positions.
     pub(super) geomorphs: bool,
     /// Whether the selection is frozen.
     pub(super) frozen: bool,

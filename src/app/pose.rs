@@ -1,7 +1,7 @@
 //! Where the viewer is and which way they face, and the moves that both cameras are made of.
 //!
 //! All in f64 and planet-fixed metres. The direction is kept as a tangent and a pitch, so that looking straight down, or standing
-//! on a pole, is like any other place.
+//! on a pole, is like any other site.
 
 use super::surface::Surface;
 use glam::{DQuat, DVec3};
@@ -72,7 +72,7 @@ impl Pose {
         *self = self.levelled();
     }
 
-    /// Moves to a place, facing the same way as far as the ground's curve allows.
+    /// Moves to a position, facing the same way as far as the ground's curve allows.
     pub(super) fn move_to(&mut self, position: DVec3) {
         self.ahead = DQuat::from_rotation_arc(self.up(), position.normalize()) * self.ahead;
         self.position = position;

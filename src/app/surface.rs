@@ -10,7 +10,7 @@ pub(super) trait Surface {
     /// Distance from the planet's centre in a unit direction.
     fn radius(&self, direction: DVec3) -> f64;
 
-    /// The place at which a ray from above first meets it; `direction` has length 1.
+    /// The point at which a ray from above first meets it; `direction` has length 1.
     fn meet(&self, origin: DVec3, direction: DVec3) -> Option<DVec3>;
 }
 
@@ -80,27 +80,27 @@ mod tests {
         (planet, known, [low, high])
     }
 
-    /// The planet, and its ground known to 3 m about places.
-    fn known_about(planet: Planet, places: impl Iterator<Item = DVec3>) -> (Planet, KnownGround) {
+    /// The planet, and its ground known to 3 m about sites.
+    fn known_about(planet: Planet, sites: impl Iterator<Item = DVec3>) -> (Planet, KnownGround) {
         let planet = Arc::new(planet);
         let known = Arc::new(RwLock::new(KnownGround::new(planet.lattice, planet.cells)));
         let refiner = Refiner::new(planet.clone(), known.clone());
-        let wanted: Vec<_> = places.map(|direction| refiner.refine(direction, 3.0)).collect();
+        let wanted: Vec<_> = sites.map(|direction| refiner.refine(direction, 3.0)).collect();
         assert!(wanted.iter().all(|refinement| refinement.wait(Duration::from_secs(60))));
         drop((wanted, refiner));
         let known = Arc::into_inner(known).unwrap().into_inner().unwrap();
         (Arc::into_inner(planet).unwrap(), known)
     }
 
-    /// The place, of many, that lies deepest below the ground around it.
+    /// The site, of many, that lies deepest below the ground around it.
     fn hollow(planet: &Planet) -> DVec3 {
-        let places = (0..4000).map(|k| direction_at(f64::from(k % 63) * 2.5 - 78.0, f64::from(k / 63) * 5.6));
-        let depth = |place: &DVec3| {
-            let side = place.any_orthonormal_vector() * (400.0 / planet.recipe.radius);
-            let around = [side, -side, place.cross(side), side.cross(*place)].map(|way| planet.terrain.height(*place + way));
-            around.iter().sum::<f64>() / 4.0 - planet.terrain.height(*place)
+        let sites = (0..4000).map(|k| direction_at(f64::from(k % 63) * 2.5 - 78.0, f64::from(k / 63) * 5.6));
+        let depth = |site: &DVec3| {
+            let side = site.any_orthonormal_vector() * (400.0 / planet.recipe.radius);
+            let around = [side, -side, site.cross(side), side.cross(*site)].map(|way| planet.terrain.height(*site + way));
+            around.iter().sum::<f64>() / 4.0 - planet.terrain.height(*site)
         };
-        places.max_by(|a, b| depth(a).total_cmp(&depth(b))).unwrap()
+        sites.max_by(|a, b| depth(a).total_cmp(&depth(b))).unwrap()
     }
 
     /// The steepest of many slopes 150 m long: its foot and its top.
@@ -113,10 +113,10 @@ mod tests {
         pairs.max_by(|a, b| rise(a).total_cmp(&rise(b))).unwrap()
     }
 
-    /// Distance from a place to the nearest ground, of many directions.
-    fn clearance(known: &KnownGround, place: DVec3) -> f64 {
+    /// Distance from a position to the nearest ground, of many directions.
+    fn clearance(known: &KnownGround, position: DVec3) -> f64 {
         let directions = (0..343).map(|k| DVec3::new(f64::from(k % 7 - 3), f64::from(k / 7 % 7 - 3), f64::from(k / 49 - 3)));
-        let hits = directions.filter_map(|direction| known.raycast(place, direction));
+        let hits = directions.filter_map(|direction| known.raycast(position, direction));
         hits.map(|hit| hit.distance).fold(f64::MAX, f64::min)
     }
 
@@ -149,21 +149,21 @@ mod tests {
         let planet = dry_planet();
         let bottom = hollow(&planet);
         let (planet, known) = known_about(planet, std::iter::once(bottom));
-        let height = |place: DVec3, level| known.height_to_level(place, level).unwrap().height;
-        let finest = |place: DVec3| known.height_at(place).unwrap();
+        let height = |site: DVec3, level| known.height_to_level(site, level).unwrap().height;
+        let finest = |site: DVec3| known.height_at(site).unwrap();
         let coarser = (0..finest(bottom).level).map(|level| (bottom, level));
-        let above = |&(place, level): &(DVec3, u8)| height(place, level) - finest(place).height;
-        let (place, level) = coarser.max_by(|a, b| above(a).total_cmp(&above(b))).unwrap();
-        let (low, high) = (finest(place).height, height(place, level));
+        let above = |&(site, level): &(DVec3, u8)| height(site, level) - finest(site).height;
+        let (site, level) = coarser.max_by(|a, b| above(a).total_cmp(&above(b))).unwrap();
+        let (low, high) = (finest(site).height, height(site, level));
         assert!(high > low + 5.0, "{high} is hardly above {low}");
         let mut ground = DrawnGround::new(known);
-        assert_eq!(ground.height_at(place), Some(low));
+        assert_eq!(ground.height_at(site), Some(low));
         // A coarser patch that is still drawn lies above.
-        let drawn = Leaf { id: PatchId::containing(place, level), coarser_sides: 0 };
+        let drawn = Leaf { id: PatchId::containing(site, level), coarser_sides: 0 };
         ground.follow(&Cut { leaves: vec![drawn], ..Cut::default() });
-        assert_eq!(ground.height_at(place), Some(high));
+        assert_eq!(ground.height_at(site), Some(high));
         let surface = DrawnSurface::new(&ground, &planet.recipe);
-        let position = place * (planet.recipe.radius + low + CLEARANCE_M);
+        let position = site * (planet.recipe.radius + low + CLEARANCE_M);
         let mut pose = Pose::of_camera(&Camera::looking(position, 0.0, 0.0, 1.0, [64, 64]));
         assert!(pose.keep_above(&surface) && !pose.keep_above(&surface));
         assert!((pose.position.length() - planet.recipe.radius - high - CLEARANCE_M).abs() < 1e-6);

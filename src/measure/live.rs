@@ -142,8 +142,9 @@ impl<'a> LiveFlight<'a> {
         self.read_vertices(frame.tables.leaves.iter().map(|leaf| leaf.id))?;
         let mut surface = SurfaceCheck::default();
         for ((leaf, draw), triangles) in frame.tables.leaves.iter().zip(&frame.tables.patches).zip(&triangles) {
-            let places = &selection.places[draw.resolve_offset as usize..(draw.resolve_offset + draw.vertex_count) as usize];
-            surface.add(&self.vertices[&leaf.id], places, triangles);
+            let drawn_positions =
+                &selection.drawn_positions[draw.resolve_offset as usize..(draw.resolve_offset + draw.vertex_count) as usize];
+            surface.add(&self.vertices[&leaf.id], drawn_positions, triangles);
         }
         let report = surface.finish();
         Ok(LiveFaults { cracks: report.cracks, flipped: report.flipped, holes })

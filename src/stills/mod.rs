@@ -162,7 +162,7 @@ impl Studio {
         let StillOptions { ssaa, transparent, .. } = self.options;
         match pixels {
             // What windows show.
-            Pixels::Eight(all) if ssaa == 1 && !transparent => place(&self.headless.pixels()?, window, all, self.size),
+            Pixels::Eight(all) if ssaa == 1 && !transparent => copy_tile(&self.headless.pixels()?, window, all, self.size),
             _ => {
                 let exposure = self.headless.exposure()?;
                 let developer = Developer { mode: look.mode, exposure, ssaa, transparent, picture: self.size };
@@ -177,8 +177,8 @@ fn dropped(counters: &terrane_planet::draw::layout::EmitState) -> u64 {
     u64::from(counters.wanted.saturating_sub(counters.capacity))
 }
 
-/// Copies a tile to its place.
-fn place(tile: &[u8], window: &Window, all: &mut [u8], picture: [u32; 2]) {
+/// Copies a tile to where its window lies.
+fn copy_tile(tile: &[u8], window: &Window, all: &mut [u8], picture: [u32; 2]) {
     let [left, top, width] = [window.origin[0], window.origin[1], window.size[0]].map(|n| n as usize);
     let seen = 4 * width.min(picture[0] as usize - left);
     let rows = all.chunks_exact_mut(4 * picture[0] as usize).skip(top);

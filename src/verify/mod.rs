@@ -45,25 +45,25 @@ pub struct Verifier {
     grids: GridCache,
 }
 
-/// Random views over a planet: places and heights from [`RandomViews`], `tolerances` in turn (at least one).
+/// Random views over a planet: sites and heights from [`RandomViews`], `tolerances` in turn (at least one).
 pub fn random_views(scene: &Scene, seed: u64, count: usize, tolerances: &[f64]) -> Vec<View> {
     let planet = scene.planet();
-    let height = |place: DVec3| planet.terrain.height(place);
+    let height = |site: DVec3| planet.terrain.height(site);
     let cameras = RandomViews::new(scene.tree(), seed, &height).take(count);
     let view = |(k, camera): (usize, Camera)| {
-        // Places take turns in fours: a shift every round brings every tolerance to every kind of place.
+        // Sites take turns in fours: a shift every round brings every tolerance to every kind of site.
         let tolerance = tolerances[(k + k / 4) % tolerances.len()];
         View::new(camera, &planet.lattice, planet.cells, tolerance)
     };
     cameras.enumerate().map(view).collect()
 }
 
-/// Views near the ground of `places` random places on land, see [`terrane_planet::verify::ground_views`]; `tolerances` in turn.
-pub fn ground_views(scene: &Scene, seed: u64, places: usize, count: usize, tolerances: &[f64]) -> Vec<View> {
+/// Views near the ground of `sites` random sites on land, see [`terrane_planet::verify::ground_views`]; `tolerances` in turn.
+pub fn ground_views(scene: &Scene, seed: u64, sites: usize, count: usize, tolerances: &[f64]) -> Vec<View> {
     let planet = scene.planet();
     let sea = planet.recipe.sea.as_ref().map_or(f64::NEG_INFINITY, |sea| sea.level_m);
-    let height = |place: DVec3| planet.terrain.height(place);
-    let cameras = terrane_planet::verify::ground_views(seed, places, count, planet.recipe.radius, sea, &height);
+    let height = |site: DVec3| planet.terrain.height(site);
+    let cameras = terrane_planet::verify::ground_views(seed, sites, count, planet.recipe.radius, sea, &height);
     let view = |(k, camera)| View::new(camera, &planet.lattice, planet.cells, tolerances[k % tolerances.len()]);
     cameras.into_iter().enumerate().map(view).collect()
 }

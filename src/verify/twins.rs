@@ -74,7 +74,7 @@ impl<'a> Twin<'a> {
     /// Where the GPU draws the vertices of this patch.
     pub(super) fn drawn_positions_of<'s>(&self, draw: &PatchDraw, selection: &'s Selection) -> &'s [DrawnVertex] {
         let start = draw.resolve_offset as usize;
-        &selection.places[start..start + draw.vertex_count as usize]
+        &selection.drawn_positions[start..start + draw.vertex_count as usize]
     }
 
     /// Differences in table, awake bits, drawn positions and resolved vertices. Patches that were given other tables are not

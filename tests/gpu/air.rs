@@ -77,12 +77,12 @@ impl Studio {
     /// Draws the view of a viewpoint. Altitudes are multiplied by `scale`, for planets smaller than the Earth.
     fn show(&mut self, (altitude, pitch, fov, [azimuth, elevation]): Viewpoint, scale: f64) -> Picture {
         let planet = self.scene.planet();
-        let place = direction_at(36.62, 106.05);
-        let position = planet.position_above(place, (altitude * scale).max(2.0));
+        let site = direction_at(36.62, 106.05);
+        let position = planet.position_above(site, (altitude * scale).max(2.0));
         let camera = Camera::looking(position, 45.0, pitch, fov.to_radians(), SIZE);
         let view = View::new(camera, self.scene.lattice(), planet.cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();
-        let sun = sun_over(place, azimuth, elevation);
+        let sun = sun_over(site, azimuth, elevation);
         let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None, clouds: false };
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
         Picture {

@@ -49,7 +49,7 @@ impl Sky {
 }
 
 /// Where a pixel's ray meets the layer of clouds, as a direction from the planet's centre; `None` near the limb.
-fn cloud_place(camera: &Camera, pixel: usize) -> Option<DVec3> {
+fn cloud_direction(camera: &Camera, pixel: usize) -> Option<DVec3> {
     let ray = pixel_ray(camera, pixel).normalize();
     let along = -camera.position.dot(ray);
     let aside = camera.position.cross(ray).length();
@@ -57,7 +57,7 @@ fn cloud_place(camera: &Camera, pixel: usize) -> Option<DVec3> {
     (aside < 0.8 * RADIUS).then(|| (camera.position + ray * near).normalize())
 }
 
-/// Smallest and largest value of a level around a place.
+/// Smallest and largest value of a level around a direction.
 fn around(level: &CloudLevel, side: usize, direction: DVec3) -> [f32; 2] {
     let [x, y] = octahedral(direction).map(|c| 0.5 * (c + 1.0) * (side - 1) as f64);
     let texels = (0..=1).flat_map(|j| (0..=1).map(move |i| (x as i64 + i, y as i64 + j)));
@@ -72,17 +72,18 @@ fn clouds_lie_where_the_map_says() {
     let recipe = &sky.scene.shared_planet().recipe;
     let map = cloud_map(recipe, recipe.clouds.as_ref().unwrap(), CLOUD_SIDE);
     // Corners, edges and sides of the octahedron.
-    let places = [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y, DVec3::new(1.0, -1.0, 0.0), DVec3::new(-1.0, 0.4, -0.8), DVec3::ONE];
+    let directions =
+        [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y, DVec3::new(1.0, -1.0, 0.0), DVec3::new(-1.0, 0.4, -0.8), DVec3::ONE];
     let more = (0..17).map(|k| direction_at(f64::from(k * 10 - 80), f64::from(k * 137 % 360)));
     let (mut thick, mut hidden, mut clear, mut changed, mut elsewhere) = (0, 0, 0, 0, 0);
-    for place in places.map(DVec3::normalize).into_iter().chain(more) {
-        let (camera, cloudy) = sky.seen_from_afar(place, Mode::Shaded, true);
-        let (_, bare) = sky.seen_from_afar(place, Mode::Shaded, false);
+    for over in directions.map(DVec3::normalize).into_iter().chain(more) {
+        let (camera, cloudy) = sky.seen_from_afar(over, Mode::Shaded, true);
+        let (_, bare) = sky.seen_from_afar(over, Mode::Shaded, false);
         let pixel_m = (FAR - 1.0) * RADIUS * 2.0 * camera.half_extents().1 / f64::from(SIZE[1]);
         let texel_m = 3.545 * CLOUDS / CLOUD_SIDE as f64;
         let power = (pixel_m / texel_m).log2().round() as usize;
         for pixel in 0..(SIZE[0] * SIZE[1]) as usize {
-            let Some(direction) = cloud_place(&camera, pixel) else { continue };
+            let Some(direction) = cloud_direction(&camera, pixel) else { continue };
             let [low, high] = around(&map[power], CLOUD_SIDE >> power, direction);
             let [with, without] = [&cloudy, &bare].map(|p| p[4 * pixel] + p[4 * pixel + 1] + p[4 * pixel + 2]);
             let differs = (with - without).abs() > 0.03 * without;

@@ -16,12 +16,12 @@ fn outline(samples: u32, finer: u32) -> Option<Vec<u8>> {
     let context = device_with(Some(samples))?;
     assert_eq!(context.samples(), samples.min(context.most_samples()));
     let mut scene = Scene::open(&context, planet_file(), SceneOptions::default()).unwrap();
-    let place = DVec3::new(1.0, 0.4, 0.3).normalize();
-    let camera = Camera::looking(place * scene.planet().recipe.radius * 2.5, 30.0, -85.0, 0.9, SIZE.map(|side| finer * side));
+    let site = DVec3::new(1.0, 0.4, 0.3).normalize();
+    let camera = Camera::looking(site * scene.planet().recipe.radius * 2.5, 30.0, -85.0, 0.9, SIZE.map(|side| finer * side));
     // All pictures show the same mesh: the tolerance is that of the small picture.
     let view = View::new(camera, scene.lattice(), scene.planet().cells, f64::from(finer));
     // Albedo is drawn without air, so that the outline is sharp.
-    let look = Look { mode: Mode::Albedo, sun: sun_over(place, 135.0, 35.0), exposure: DAYLIGHT, metering: None, clouds: true };
+    let look = Look { mode: Mode::Albedo, sun: sun_over(site, 135.0, 35.0), exposure: DAYLIGHT, metering: None, clouds: true };
     scene.set_sun(look.sun);
     let cut = scene.settle(&view).unwrap();
     let mut headless = Headless::new(&context, (finer * SIZE[0], finer * SIZE[1])).unwrap();

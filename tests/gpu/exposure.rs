@@ -17,13 +17,13 @@ const SIZE: [u32; 2] = [320, 180];
 fn show(context: &Arc<Context>, heading: f64, pitch: f64, elevation: f64, metering: Option<f32>) -> (Vec<u8>, Vec<f32>) {
     let mut scene = Scene::open(context, planet_file(), SceneOptions::default()).unwrap();
     let mut headless = Headless::new(context, (SIZE[0], SIZE[1])).unwrap();
-    let place = DVec3::ONE.normalize();
+    let site = DVec3::ONE.normalize();
     let planet = scene.planet();
-    let position = planet.position_above(place, 60.0);
+    let position = planet.position_above(site, 60.0);
     let camera = Camera::looking(position, heading, pitch, 0.9, SIZE);
     let view = View::new(camera, scene.lattice(), planet.cells, 1.0);
     let cut = scene.settle(&view).unwrap();
-    let look = Look { mode: Mode::Shaded, sun: sun_over(place, 200.0, elevation), exposure: DAYLIGHT, metering, clouds: true };
+    let look = Look { mode: Mode::Shaded, sun: sun_over(site, 200.0, elevation), exposure: DAYLIGHT, metering, clouds: true };
     headless.render(&scene, &view, &cut, &look).unwrap();
     (headless.pixels().unwrap(), headless.radiance().unwrap())
 }

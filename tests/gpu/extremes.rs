@@ -48,17 +48,17 @@ impl Studio {
         self.scene.planet().recipe.radius
     }
 
-    /// A camera so many metres above the ground, or the sea, of a place.
-    fn above(&self, place: DVec3, metres: f64, pitch: f64, fov: f64) -> Camera {
+    /// A camera so many metres above the ground, or the sea, of a site.
+    fn above(&self, site: DVec3, metres: f64, pitch: f64, fov: f64) -> Camera {
         // Above the ground that is known so far, and above that of finer patches.
-        let known = self.scene.ground().height_at(place).unwrap();
-        let surface = known.max(self.scene.planet().surface_height(place));
-        Camera::looking(place * (self.radius() + surface + metres), 30.0, pitch, fov, SIZE)
+        let known = self.scene.ground().height_at(site).unwrap();
+        let surface = known.max(self.scene.planet().surface_height(site));
+        Camera::looking(site * (self.radius() + surface + metres), 30.0, pitch, fov, SIZE)
     }
 
-    fn highest_place(&self) -> DVec3 {
+    fn highest_site(&self) -> DVec3 {
         let grid = |k: i32| DVec3::new(f64::from(k % 20) - 9.5, f64::from(k / 20 % 20) - 9.5, f64::from(k / 400) - 4.5);
-        let height = |place: &DVec3| self.scene.ground().height_at(*place).unwrap();
+        let height = |site: &DVec3| self.scene.ground().height_at(*site).unwrap();
         (0..4000).map(|k| grid(k).normalize()).max_by(|a, b| height(a).total_cmp(&height(b))).unwrap()
     }
 
@@ -100,18 +100,18 @@ impl Studio {
 fn cameras(studio: &Studio) -> Vec<(String, Camera)> {
     let corner = direction(IVec3::new(ONE, ONE, ONE));
     let edge = direction(IVec3::new(ONE, ONE, ONE / 7));
-    let places = [
+    let sites = [
         ("north pole", DVec3::Z),
         ("south pole", -DVec3::Z),
         ("face edge", edge),
         ("face corner", corner),
         ("opposite corner", -corner),
-        ("mountain", studio.highest_place()),
+        ("mountain", studio.highest_site()),
     ];
     let mut all = Vec::new();
-    for (name, place) in places {
+    for (name, site) in sites {
         for (metres, pitch, fov) in [(2.0, -30.0, FOV), (5e3, -40.0, FOV), (6e4, -90.0, FOV), (AFAR, -90.0, TELEPHOTO)] {
-            all.push((format!("{metres} m above the {name}"), studio.above(place, metres, pitch, fov)));
+            all.push((format!("{metres} m above the {name}"), studio.above(site, metres, pitch, fov)));
         }
     }
     all
@@ -146,7 +146,7 @@ fn ground_that_is_elsewhere_is_noticed() {
 fn it_is_dark_in_the_ground() {
     let Some(context) = device() else { return };
     let mut studio = Studio::new(&context);
-    let mountain = studio.highest_place();
+    let mountain = studio.highest_site();
     let mut cameras: Vec<Camera> = [0.0, 90.0, -90.0].map(|pitch| studio.above(mountain, -100.0, pitch, FOV)).to_vec();
     let deep = [DVec3::ZERO, DVec3::splat(1e-7), DVec3::splat(8e3)];
     cameras.extend(deep.map(|position| Camera::looking(position, 0.0, 30.0, FOV, SIZE)));
@@ -160,14 +160,14 @@ fn it_is_dark_in_the_ground() {
 fn space_is_black() {
     let Some(context) = device() else { return };
     let mut studio = Studio::new(&context);
-    let place = DVec3::new(0.6, 0.48, 0.64);
+    let site = DVec3::new(0.6, 0.48, 0.64);
     // Away from the planet, and towards it from where it is far smaller than a pixel.
     for pitch in [90.0, -90.0] {
-        let shown = studio.show(studio.above(place, AFAR, pitch, FOV), "space");
+        let shown = studio.show(studio.above(site, AFAR, pitch, FOV), "space");
         assert!(shown.mean < 0.1, "mean {}", shown.mean);
     }
     // Beside the planet.
-    let camera = studio.above(place, AFAR, -90.0, 4.0 * TELEPHOTO);
+    let camera = studio.above(site, AFAR, -90.0, 4.0 * TELEPHOTO);
     let shown = studio.show(camera, "beside");
     let [ground, wrong, _] = studio.agreement(&camera, &shown);
     assert!((0.005..0.1).contains(&ground) && wrong < 0.01, "{ground} is ground, {wrong} wrongly");

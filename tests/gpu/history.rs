@@ -24,7 +24,7 @@ struct Viewpoint {
     heading: f64,
     fov: f64,
     tolerance: f64,
-    /// The place below, before it is normalised.
+    /// The direction of the site below, before it is normalised.
     over: DVec3,
 }
 
@@ -33,8 +33,8 @@ const GOAL: Viewpoint = Viewpoint { altitude: 400.0, heading: 40.0, fov: 0.9, to
 impl Viewpoint {
     fn view(&self, scene: &Scene) -> View {
         let planet = scene.planet();
-        let place = self.over.normalize();
-        let position = planet.position_above(place, self.altitude);
+        let site = self.over.normalize();
+        let position = planet.position_above(site, self.altitude);
         View::new(Camera::looking(position, self.heading, -25.0, self.fov, SIZE), &planet.lattice, planet.cells, self.tolerance)
     }
 }
@@ -65,7 +65,7 @@ fn way(name: &str) -> (Vec<Viewpoint>, usize) {
 /// The mesh and the picture of a view.
 #[derive(PartialEq)]
 struct Shown {
-    /// Triangles by patch, with the bits of the places where their corners are drawn.
+    /// Triangles by patch, with the bits of the drawn positions of their corners.
     triangles: BTreeSet<(PatchId, [[u32; 3]; 3])>,
     pixels: Vec<u8>,
 }
@@ -76,8 +76,9 @@ fn show(scene: &Scene, headless: &mut Headless, view: &View, cut: &terrane_plane
     let named = |t: &[u32; 3]| {
         let number = (t[0] >> VERTEX_BITS) as usize;
         let first = report.tables.patches[number].resolve_offset;
-        let place = |v: u32| selection.places[(first + (v & ((1 << VERTEX_BITS) - 1))) as usize].place.map(f32::to_bits);
-        (report.tables.leaves[number].id, t.map(place))
+        let position =
+            |v: u32| selection.drawn_positions[(first + (v & ((1 << VERTEX_BITS) - 1))) as usize].place.map(f32::to_bits);
+        (report.tables.leaves[number].id, t.map(position))
     };
     Shown { triangles: selection.triangles.iter().map(named).collect(), pixels: headless.pixels().unwrap() }
 }

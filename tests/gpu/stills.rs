@@ -29,11 +29,11 @@ impl Set {
     fn new(context: &Arc<Context>, altitude: f64, pitch: f64) -> Set {
         let mut scene = Scene::open(context, planet_file(), SceneOptions::default()).unwrap();
         let planet = scene.planet();
-        let place = highest(planet);
-        let position = planet.position_above(place, altitude);
+        let site = highest(planet);
+        let position = planet.position_above(site, altitude);
         let view = View::new(Camera::looking(position, 20.0, pitch, 0.9, SIZE), scene.lattice(), planet.cells, 1.0);
         let look =
-            Look { mode: Mode::Shaded, sun: sun_over(place, 120.0, 30.0), exposure: DAYLIGHT, metering: None, clouds: true };
+            Look { mode: Mode::Shaded, sun: sun_over(site, 120.0, 30.0), exposure: DAYLIGHT, metering: None, clouds: true };
         let cut = scene.settle(&view).unwrap();
         Set { context: context.clone(), scene, view, cut, look }
     }
@@ -50,10 +50,10 @@ impl Set {
     }
 }
 
-/// The highest of some places all around the planet.
+/// The highest of some sites all around the planet.
 fn highest(planet: &Planet) -> DVec3 {
-    let places = (0..24).flat_map(|i| (-5..=5).map(move |j| direction_at(15.0 * f64::from(j), 15.0 * f64::from(i))));
-    places.max_by(|a, b| planet.terrain.height(*a).total_cmp(&planet.terrain.height(*b))).unwrap()
+    let sites = (0..24).flat_map(|i| (-5..=5).map(move |j| direction_at(15.0 * f64::from(j), 15.0 * f64::from(i))));
+    sites.max_by(|a, b| planet.terrain.height(*a).total_cmp(&planet.terrain.height(*b))).unwrap()
 }
 
 fn eight(still: &Still) -> &[u8] {
