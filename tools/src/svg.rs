@@ -16,7 +16,7 @@ pub(crate) fn rule(svg: &mut String, [x1, y1]: [f64; 2], [x2, y2]: [f64; 2], col
     _ = writeln!(svg, "<line x1=\"{x1:.1}\" y1=\"{y1:.1}\" x2=\"{x2:.1}\" y2=\"{y2:.1}\" stroke=\"{color}\"/>");
 }
 
-/// Words whose `anchor` (start, middle or end) is at a place.
+/// Words whose `anchor` (start, middle or end) is at a position.
 pub(crate) fn label(svg: &mut String, [x, y]: [f64; 2], anchor: &str, text: &str) {
     _ = writeln!(svg, "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\">{text}</text>");
 }
@@ -41,7 +41,7 @@ pub(crate) fn dot(svg: &mut String, [x, y]: [f64; 2], color: &str) {
     _ = writeln!(svg, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"3.6\" fill=\"{color}\"/>");
 }
 
-/// Where a value stands between two places on a logarithmic axis.
+/// Where a value stands between two positions on a logarithmic axis.
 pub(crate) fn logarithmic(value: f64, [low, high]: [f64; 2], [from, to]: [f64; 2]) -> f64 {
     from + (to - from) * (value / low).ln() / (high / low).ln()
 }

@@ -169,20 +169,20 @@ impl Walk<'_, '_, '_> {
         };
         let zone = MORPH_ZONE * parent_range;
         let weight = |p: DVec3| ((p.distance(self.view.eye) - (parent_range - zone)) / zone).clamp(0.0, 1.0);
-        let mut places = Vec::with_capacity((cells as usize + 1).pow(2));
+        let mut drawn = Vec::with_capacity((cells as usize + 1).pow(2));
         for (i, j) in (0..=cells).flat_map(|j| (0..=cells).map(move |i| (first[0] + i, first[1] + j))) {
             let own = at(i, j);
             // A root has no parent to become.
             let slid = if parent_range.is_finite() { weight(own) } else { 0.0 };
             let (pi, pj) = morph_target(i, j);
-            places.push(if slid > 0.0 { own.lerp(at(pi, pj), slid) } else { own });
+            drawn.push(if slid > 0.0 { own.lerp(at(pi, pj), slid) } else { own });
         }
         let mut triangles = grid_triangles(cells);
         triangles.retain(|t| {
-            let [a, b, c] = t.map(|v| places[v as usize]);
+            let [a, b, c] = t.map(|v| drawn[v as usize]);
             a != b && b != c && c != a
         });
-        self.sheet.add(id.face, places.len(), |v| places[v as usize], &triangles);
+        self.sheet.add(id.face, drawn.len(), |v| drawn[v as usize], &triangles);
         Ok(())
     }
 }
@@ -314,15 +314,15 @@ mod tests {
     #[test]
     fn children_share_their_parents_samples() {
         let (nodes, cells) = (4, 8);
-        let place = |id: PatchId, i: u32| {
+        let point = |id: PatchId, i: u32| {
             let Samples { patch, first, step } = samples_of(id, nodes, cells);
             patch.point((first[0] + i * step) as i32, (first[1] + i * step) as i32, nodes * cells)
         };
         for (level, x, y) in [(0, 0, 0), (1, 1, 0), (2, 3, 1), (3, 5, 2)] {
             let id = PatchId::new(PatchId::roots().next().unwrap().face, level, x, y).unwrap();
             let [first, .., last] = id.children().unwrap();
-            assert_eq!((place(id, 0), place(id, 4)), (place(first, 0), place(first, 8)));
-            assert_eq!((place(id, 6), place(id, 8)), (place(last, 4), place(last, 8)));
+            assert_eq!((point(id, 0), point(id, 4)), (point(first, 0), point(first, 8)));
+            assert_eq!((point(id, 6), point(id, 8)), (point(last, 4), point(last, 8)));
         }
     }
 }

@@ -73,15 +73,15 @@ fn config(most_triangles: usize) -> ClodConfig {
 impl Hierarchy {
     fn new(id: PatchId, cells: u32, positions: &[IVec3], most_triangles: usize) -> Hierarchy {
         let origin = positions[0].as_dvec3();
-        let places: Vec<[f32; 3]> = positions.iter().map(|p| (p.as_dvec3() - origin).as_vec3().to_array()).collect();
+        let relative: Vec<[f32; 3]> = positions.iter().map(|p| (p.as_dvec3() - origin).as_vec3().to_array()).collect();
         let indices = grid_triangles(cells);
-        let mut locks = vec![SimplifyVertex::None; places.len()];
+        let mut locks = vec![SimplifyVertex::None; relative.len()];
         let row = cells as usize + 1;
         for corner in [0, row - 1, row * (row - 1), row * row - 1] {
             locks[corner] = SimplifyVertex::Lock;
         }
         let mut hierarchy = Hierarchy { clusters: Vec::new(), groups: Vec::new() };
-        let Ok(vertices) = VertexDataAdapter::new(bytemuck::cast_slice(&places), size_of::<[f32; 3]>(), 0) else {
+        let Ok(vertices) = VertexDataAdapter::new(bytemuck::cast_slice(&relative), size_of::<[f32; 3]>(), 0) else {
             return hierarchy;
         };
         let mesh = ClodMesh { vertex_lock: Some(&locks), ..ClodMesh::new(indices.as_flattened(), &vertices) };

@@ -1,4 +1,4 @@
-//! Where the screen error of a view is measured: the same places for every method.
+//! Where the screen error of a view is measured: the same points for every method.
 //!
 //! Where the rays of random pixels meet our own surface, for percentiles of what is seen; and samples of the patches that a four times finer tolerance would draw, of
 //! each block the one where the ground bends most, because that is where approximations are farthest off. Of both, those in the
@@ -35,10 +35,10 @@ pub(crate) struct Effort {
     pub(crate) block: usize,
 }
 
-/// One place in the gnomonic plane of a face.
+/// One point in the gnomonic plane of a face.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Probe {
-    /// Place in the plane.
+    /// Position in the plane.
     pub(crate) at: [f64; 2],
     /// Distance from the planet's centre over distance along the face's normal.
     pub(crate) slant: f64,
@@ -51,8 +51,8 @@ pub(crate) struct Probe {
 }
 
 impl Probe {
-    /// Its place in lattice units from the planet's centre.
-    pub(crate) fn place(&self, face: Face) -> DVec3 {
+    /// Its position in lattice units from the planet's centre.
+    pub(crate) fn position(&self, face: Face) -> DVec3 {
         let (u, v) = face.grid_axes();
         let mut direction = DVec3::ZERO;
         (direction[u], direction[v]) = (self.at[0], self.at[1]);
@@ -110,21 +110,21 @@ impl Probes {
         let Chooser { setting, target, effort, .. } = chooser;
         let view = setting.view(camera, *target);
         let mut faces = vec![Vec::new(); Face::ALL.len()];
-        let mut add = |place: DVec3, pixel: bool| {
-            let face = Face::containing(place);
-            faces[usize::from(face.index())].push(probe(&view, face, place, pixel));
+        let mut add = |point: DVec3, pixel: bool| {
+            let face = Face::containing(point);
+            faces[usize::from(face.index())].push(probe(&view, face, point, pixel));
         };
         for direction in chooser.pixels(&view, seed)? {
-            if let Some(place) = setting.finest(direction)? {
-                add(place, true);
+            if let Some(point) = setting.finest(direction)? {
+                add(point, true);
             }
         }
         let finer = setting.view(camera, FINER * target);
         for leaf in setting.visible_leaves(&finer, CutRule::Detail) {
             let positions = setting.positions(leaf.id)?;
             let chosen = chooser.bends.get(leaf.id, || Ok(bending_samples(&positions, setting.tree.cells, effort.block)))?;
-            let places = chosen.iter().map(|&v| positions[usize::from(v)].as_dvec3());
-            places.filter(|&place| is_in_view(&view, &setting.tree, place)).for_each(|place| add(place, false));
+            let points = chosen.iter().map(|&v| positions[usize::from(v)].as_dvec3());
+            points.filter(|&point| is_in_view(&view, &setting.tree, point)).for_each(|point| add(point, false));
         }
         Ok(Probes { faces: faces.into_iter().map(ProbeTree::new).collect() })
     }
@@ -135,15 +135,15 @@ impl Probes {
     }
 }
 
-fn probe(view: &View, face: Face, place: DVec3, pixel: bool) -> Probe {
+fn probe(view: &View, face: Face, point: DVec3, pixel: bool) -> Probe {
     let (u, v) = face.grid_axes();
-    let along = place[face.normal_axis()].abs();
-    let radius = place.length();
+    let along = point[face.normal_axis()].abs();
+    let radius = point.length();
     Probe {
-        at: [place[u] / along, place[v] / along],
+        at: [point[u] / along, point[v] / along],
         slant: radius / along,
         radius,
-        pixels_a_unit: 1.0 / (view.eye.distance(place) * view.camera.pixel_angle()),
+        pixels_a_unit: 1.0 / (view.eye.distance(point) * view.camera.pixel_angle()),
         pixel,
     }
 }
@@ -154,10 +154,10 @@ fn bending_samples(positions: &[IVec3], cells: u32, block: usize) -> Vec<u16> {
     let heights: Vec<f64> = positions.iter().map(|p| p.as_dvec3().length()).collect();
     let mut best = vec![(-1.0f64, 0u16); side.div_ceil(block).pow(2)];
     for (k, _) in heights.iter().enumerate() {
-        let place = &mut best[k / side / block * side.div_ceil(block) + k % side / block];
+        let held = &mut best[k / side / block * side.div_ceil(block) + k % side / block];
         let bend = bending(&heights, side as i32, k);
-        if bend > place.0 {
-            *place = (bend, k as u16);
+        if bend > held.0 {
+            *held = (bend, k as u16);
         }
     }
     best.into_iter().map(|(_, k)| k).collect()
@@ -176,7 +176,7 @@ fn bending(heights: &[f64], side: i32, k: usize) -> f64 {
     most
 }
 
-/// Probes of one face, by place: a k-d tree (Bentley 1975).
+/// Probes of one face, by position: a k-d tree (Bentley 1975).
 pub(crate) struct ProbeTree {
     /// The probes, those of a leaf side by side.
     pub(crate) probes: Vec<Probe>,
@@ -253,9 +253,9 @@ mod tests {
     #[test]
     fn every_probe_in_a_rectangle_is_visited_once() {
         let mut random = Random::new(3);
-        let mut place = || [random.range(-1.0, 1.0), random.range(-1.0, 1.0)];
+        let mut at = || [random.range(-1.0, 1.0), random.range(-1.0, 1.0)];
         let of = |at| Probe { at, slant: 1.0, radius: 1.0, pixels_a_unit: 1.0, pixel: true };
-        let tree = ProbeTree::new((0..1000).map(|_| of(place())).collect());
+        let tree = ProbeTree::new((0..1000).map(|_| of(at())).collect());
         for (low, high) in [([-0.3, 0.1], [0.2, 0.4]), ([-2.0, -2.0], [2.0, 2.0]), ([0.5, 0.5], [0.5, 0.5])] {
             let inside = |p: &Probe| (0..2).all(|k| (low[k]..=high[k]).contains(&p.at[k]));
             let mut seen = vec![0; 1000];

@@ -114,17 +114,17 @@ impl PatchErrors {
         for Bisection { corners, middle, .. } in &hierarchy.bisections {
             let v = usize::from(*middle);
             errors.error[v] = errors.error[v].max(plane.deviation(corners.map(u32::from)) as f32);
-            let place = |v: u16| positions[usize::from(v)].as_dvec3();
-            let extent = corners.map(|c| place(c).distance(place(*middle))).into_iter().fold(0.0, f64::max);
+            let position = |v: u16| positions[usize::from(v)].as_dvec3();
+            let extent = corners.map(|c| position(c).distance(position(*middle))).into_iter().fold(0.0, f64::max);
             errors.extent[v] = errors.extent[v].max(extent as f32);
         }
         errors
     }
 
     /// Whether the triangles that a vertex bisects are in view and off by more than `most` pixels.
-    fn is_needed(&self, view: &View, v: usize, place: DVec3, most: f64) -> bool {
+    fn is_needed(&self, view: &View, v: usize, position: DVec3, most: f64) -> bool {
         let (error, extent) = (f64::from(self.error[v]), f64::from(self.extent[v]));
-        pixels(error, place.distance(view.eye) - extent, &view.camera) > most && !outside(view, place, extent)
+        pixels(error, position.distance(view.eye) - extent, &view.camera) > most && !outside(view, position, extent)
     }
 }
 
@@ -140,11 +140,12 @@ impl Rtin {
         let cells = setting.tree.cells;
         let positions = setting.positions(leaf.id)?;
         let errors = self.patches.get(leaf.id, || Ok(PatchErrors::new(&self.hierarchy, leaf.id, cells, &positions)))?;
-        let place = |p: &IVec3| p.as_dvec3();
-        let mut drawn: Vec<bool> = positions.iter().enumerate().map(|(v, p)| errors.is_needed(view, v, place(p), most)).collect();
+        let position = |p: &IVec3| p.as_dvec3();
+        let mut drawn: Vec<bool> =
+            positions.iter().enumerate().map(|(v, p)| errors.is_needed(view, v, position(p), most)).collect();
         self.hierarchy.close(&mut drawn);
         let triangles = self.hierarchy.triangles(cells, &drawn);
-        sheet.add(leaf.id.face, drawn.len(), |v| place(&positions[v as usize]), &triangles);
+        sheet.add(leaf.id.face, drawn.len(), |v| position(&positions[v as usize]), &triangles);
         Ok(())
     }
 }

@@ -49,7 +49,7 @@ impl Setting {
         })
     }
 
-    /// The place of the finest surface in a direction.
+    /// The position of the finest surface in a direction.
     pub(crate) fn finest(&self, direction: DVec3) -> Result<Option<DVec3>, StoreError> {
         let above = |level: &u8| self.finest.contains(&PatchId::containing(direction, *level));
         let Some(level) = (0..=MAX_LEVEL).find(above) else { return Ok(None) };
@@ -175,8 +175,8 @@ impl Plane {
     /// Largest radial distance in lattice units of the samples under a triangle of samples from it.
     pub(crate) fn deviation(&self, triangle: [u32; 3]) -> f64 {
         let [a, b, c] = triangle.map(|v| (v as usize % self.row, v as usize / self.row));
-        let place = |(i, j): (usize, usize)| (self.columns[i], self.rows[j]);
-        let [(ax, ay), (bx, by), (cx, cy)] = [place(a), place(b), place(c)];
+        let position = |(i, j): (usize, usize)| (self.columns[i], self.rows[j]);
+        let [(ax, ay), (bx, by), (cx, cy)] = [position(a), position(b), position(c)];
         let area = (bx - ax) * (cy - ay) - (by - ay) * (cx - ax);
         if area == 0.0 {
             return 0.0;
@@ -186,7 +186,7 @@ impl Plane {
         let mut worst = 0.0f64;
         for j in a.1.min(b.1).min(c.1)..=a.1.max(b.1).max(c.1) {
             for i in a.0.min(b.0).min(c.0)..=a.0.max(b.0).max(c.0) {
-                let (x, y) = place((i, j));
+                let (x, y) = position((i, j));
                 let u = ((bx - x) * (cy - y) - (by - y) * (cx - x)) / area;
                 let v = ((cx - x) * (ay - y) - (cy - y) * (ax - x)) / area;
                 let w = 1.0 - u - v;

@@ -76,7 +76,7 @@ impl<'a> Sheet<'a> {
         }
     }
 
-    /// Adds triangles over a face; `position` gives the place in lattice units of each of `count` vertices.
+    /// Adds triangles over a face; `position` gives the position in lattice units of each of `count` vertices.
     pub(crate) fn add(&mut self, face: Face, count: usize, position: impl Fn(u32) -> DVec3, triangles: &[[u32; 3]]) {
         self.numbers.clear();
         self.numbers.resize(count, u32::MAX);
@@ -114,7 +114,7 @@ impl<'a> Sheet<'a> {
                     continue;
                 }
                 if f64::from(error) > reading.max {
-                    (reading.max, reading.worst) = (f64::from(error), probe.place(face));
+                    (reading.max, reading.worst) = (f64::from(error), probe.position(face));
                 }
                 if probe.pixel {
                     reading.at_pixels.push(error);

@@ -31,15 +31,15 @@ pub(super) fn small_setting(cells: u32, levels: u8) -> Setting {
     Setting::new(tree, Box::new(move |id| Ok(meshes[&id].clone())))
 }
 
-fn place() -> DVec3 {
+fn site() -> DVec3 {
     DVec3::new(1.0, 0.9, 0.8).normalize()
 }
 
-/// Cameras in orbit and at two lower altitudes above the place, which look ahead.
+/// Cameras in orbit and at two lower altitudes above the site, which look ahead.
 fn cameras(setting: &Setting) -> Vec<Camera> {
     let radius = setting.tree.lattice.radius * setting.tree.lattice.unit;
     let looks = [(2.0, -90.0), (0.1, -40.0), (0.04, -10.0)];
-    looks.map(|(altitude, pitch)| Camera::looking(place() * radius * (1.0 + altitude), 20.0, pitch, 0.9, [640, 360])).into()
+    looks.map(|(altitude, pitch)| Camera::looking(site() * radius * (1.0 + altitude), 20.0, pitch, 0.9, [640, 360])).into()
 }
 
 struct Scene {
@@ -158,7 +158,7 @@ fn the_knob_with_the_target_error_is_found() {
 #[test]
 fn the_finest_surface_passes_through_the_finest_samples() {
     let setting = small_setting(16, 2);
-    let id = PatchId::containing(place(), 2);
+    let id = PatchId::containing(site(), 2);
     let positions = setting.positions(id).unwrap();
     for k in [20, 100, 150, 200] {
         let sample = positions[k].as_dvec3();
@@ -172,9 +172,9 @@ fn the_finest_surface_passes_through_the_finest_samples() {
 
 /// Twice the area of triangles of a grid, in cells.
 pub(super) fn doubled_area(cells: u32, triangles: &[[u32; 3]]) -> i64 {
-    let place = |v: u32| (i64::from(v % (cells + 1)), i64::from(v / (cells + 1)));
+    let column_and_row = |v: u32| (i64::from(v % (cells + 1)), i64::from(v / (cells + 1)));
     let area = |t: &[u32; 3]| {
-        let [(ax, ay), (bx, by), (cx, cy)] = t.map(place);
+        let [(ax, ay), (bx, by), (cx, cy)] = t.map(column_and_row);
         ((bx - ax) * (cy - ay) - (by - ay) * (cx - ax)).abs()
     };
     triangles.iter().map(area).sum()

@@ -58,7 +58,7 @@ pub(crate) struct Measured {
     pub(crate) submitted: usize,
     /// Largest error by frame.
     pub(crate) max_by_frame: Vec<f64>,
-    /// Where the largest of all was read: the frame, and the place in lattice units from the planet's centre.
+    /// Where the largest of all was read: the frame, and the position in lattice units from the planet's centre.
     pub(crate) worst: (usize, DVec3),
     /// Probes under no triangle.
     pub(crate) missed: usize,
@@ -124,7 +124,7 @@ pub(crate) struct Aim {
 }
 
 /// The coarsest drawing found whose error is within [`NEAR`] of the target or below it. Errors rise with the knob, not steadily: where
-/// one frame's worst place decides, they jump, and what is found may stay below the target. `None` if none was found, or if even
+/// one frame's worst point decides, they jump, and what is found may stay below the target. `None` if none was found, or if even
 /// a drawing that is too coarse takes more triangles than are of interest.
 pub(crate) fn tune(setting: &Setting, stands: &[&Stand], method: &dyn Method, aim: Aim) -> Result<Option<Measured>, StoreError> {
     let Aim { equal, target, first, most } = aim;

@@ -39,13 +39,13 @@ impl Canvas {
         }
     }
 
-    /// Writes one line of ASCII with its top left corner at a place; letters are `scale` × 8 pixels.
+    /// Writes one line of ASCII with its top left corner at a position; letters are `scale` × 8 pixels.
     pub(crate) fn text(&mut self, [left, top]: [f64; 2], scale: f64, text: &str, color: Vec3) {
-        for (place, letter) in text.bytes().enumerate() {
+        for (index, letter) in text.bytes().enumerate() {
             let rows = BASIC_LEGACY.get(letter as usize).copied().unwrap_or_default();
             for (y, row) in rows.into_iter().enumerate() {
                 for x in (0..8).filter(|x| row >> x & 1 == 1) {
-                    let corner = [left + scale * (8 * place + x) as f64, top + scale * y as f64];
+                    let corner = [left + scale * (8 * index + x) as f64, top + scale * y as f64];
                     self.rectangle(corner, [scale; 2], color);
                 }
             }

@@ -88,17 +88,17 @@ impl Panel {
         let seen = |&(faces, error): &(usize, f64)| within(FACES, faces as f64) && within(ERRORS, error);
         let points = series.line.iter().map(|(faces, deviation)| (*faces, error(deviation)));
         let color = color(series.cost);
-        let place = |(faces, error): (usize, f64)| [self.x(faces as f64), Panel::y(error)];
-        polyline(svg, points.filter(seen).map(place), color);
+        let point = |(faces, error): (usize, f64)| [self.x(faces as f64), Panel::y(error)];
+        polyline(svg, points.filter(seen).map(point), color);
         let dots = series.pictured.iter().map(|sample| (sample.surface.faces.len(), error(&sample.deviation)));
-        dots.filter(seen).for_each(|sample| dot(svg, place(sample), color));
+        dots.filter(seen).for_each(|sample| dot(svg, point(sample), color));
     }
 }
 
 fn legend(svg: &mut String, all: &[Series]) {
     label(svg, [SIZE[0] - 36.0, SIZE[1] - 14.0], "end", "errors in sample spacings; dots: the meshes of the contact sheet");
-    for (place, series) in all.iter().enumerate() {
-        let x = LEFTS[0] + 120.0 * place as f64;
+    for (index, series) in all.iter().enumerate() {
+        let x = LEFTS[0] + 120.0 * index as f64;
         let (y, color) = (SIZE[1] - 18.0, color(series.cost));
         _ = writeln!(svg, "<path d=\"M{x:.1} {y:.1}h26\" stroke=\"{color}\" stroke-width=\"2.2\"/>");
         dot(svg, [x + 13.0, y], color);

@@ -71,21 +71,21 @@ impl Frame {
         let light = normal.dot(TOWARDS_LIGHT.normalize()).max(0.0) as f32;
         let [low, high] = self.heights;
         let height = (((a.z + b.z + c.z) / 3.0 - low) / (high - low).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-        let place = height * (TINTS.len() - 1) as f64;
-        let below = (place as usize).min(TINTS.len() - 2);
-        let tint = TINTS[below].lerp(TINTS[below + 1], (place - below as f64) as f32);
+        let scaled = height * (TINTS.len() - 1) as f64;
+        let below = (scaled as usize).min(TINTS.len() - 2);
+        let tint = TINTS[below].lerp(TINTS[below + 1], (scaled - below as f64) as f32);
         // Shadows are cool, light is warm.
         tint * (Vec3::new(0.34, 0.38, 0.46) + light * Vec3::new(0.80, 0.74, 0.62))
     }
 
-    /// Pixel and distance of a place.
-    fn project(&self, place: DVec3) -> DVec3 {
+    /// Pixel and distance of a position.
+    fn project(&self, position: DVec3) -> DVec3 {
         let back = TOWARDS_EYE.normalize();
         let right = DVec3::Z.cross(back).normalize();
         let up = back.cross(right);
         // The walls reach below the lowest ground.
         let centre = DVec3::new(self.width / 2.0, self.width / 2.0, self.heights[0] - 0.02 * self.width);
-        let seen = place - centre;
+        let seen = position - centre;
         let distance = EYE_DISTANCE * self.width - seen.dot(back);
         // The block's diagonal, seen from its distance, fills the frame's width.
         let zoom = FILL * self.size[0] / (1.3 * self.width) * EYE_DISTANCE * self.width / distance;

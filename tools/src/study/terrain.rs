@@ -13,7 +13,7 @@ pub(crate) fn study_field(side: usize) -> Heightfield {
     Heightfield::new(side, side, (0..side * side).map(height).collect()).expect("a square of samples")
 }
 
-/// Height in sides of the square at a place of it, from 0 to 1 eastwards and northwards.
+/// Height in sides of the square at a position in it, from 0 to 1 eastwards and northwards.
 fn ground(x: f64, y: f64) -> f64 {
     let plain = 0.04 + 0.05 * y;
     let rough = 0.035 * (noise(6.0 * x, 6.0 * y) - 0.5) + 0.012 * (noise(14.0 * x + 40.0, 14.0 * y) - 0.5);
