@@ -163,7 +163,7 @@ fn single_precision_without_the_lattice_is_noticed() {
         |view: &View, vertex: &PatchVertex, _: [f32; 3]| IVec3::from_array(vertex.position).as_vec3() - view.eye.as_vec3();
     let found = measure(site, 20.0, &naive);
     assert!(found.off > 10.0, "{found:?}");
-    // An eye that is rounded to the lattice stays in position for some frames, then jumps.
+    // An eye that is rounded to the lattice stays where it is for some frames, then jumps.
     let jumps = |view: &View, _: &PatchVertex, position: [f32; 3]| Vec3::from_array(position) + Vec3::from_array(view.gpu.offset);
     let found = measure(site, 20.0, &jumps);
     assert!(found.off > 100.0 * OFF && found.jitter > 100.0 * JITTER, "{found:?}");
