@@ -9,7 +9,7 @@ layout(binding = 3) uniform sampler2D nodes;
 
 // Where rays begin and point, by the cosines of their azimuth and, where they begin, against the vertical: that is at the eye or, from
 // outside, where they enter the air.
-void place_ray(float cosine, float c, out vec3 vertical, out vec3 ray) {
+void ray_of(float cosine, float c, out vec3 vertical, out vec3 ray) {
     vec3 up = light.vertical, towards = light.sunward;
     vec3 along = towards * cosine + cross(up, towards) * sqrt(max(1.0 - cosine * cosine, 0.0));
     float sine = sqrt(max(1.0 - c * c, 0.0));
@@ -32,7 +32,7 @@ void main() {
     float height = eye_height(), c = row_cosine(texel.y, size.y, to_ground);
     float whole = max(way_length(height, c, to_ground), 1e-3), r = bottom_radius() + height;
     vec3 vertical, ray;
-    place_ray(1.0 - 2.0 * float(texel.x) / float(size.x - 1), c, vertical, ray);
+    ray_of(1.0 - 2.0 * float(texel.x) / float(size.x - 1), c, vertical, ray);
     float sun_c = dot(vertical, light.sun), nu = dot(ray, light.sun), phase = rayleigh_phase(nu);
 
     int last = textureSize(nodes, 0).x - 1, stride = last / (size.z - 1);
@@ -41,9 +41,9 @@ void main() {
     for (int node = 0; node <= last; ++node) {
         vec4 stored = texelFetch(nodes, ivec2(node, texel.y), 0);
         float t = stored.x * whole;
-        vec2 place = after(height, c, t);
-        Medium medium = medium_at(place.x);
-        Source source = source_at(medium, place.x, (r * sun_c + t * nu) / place.y, phase);
+        vec2 reached = after(height, c, t);
+        Medium medium = medium_at(reached.x);
+        Source source = source_at(medium, reached.x, (r * sun_c + t * nu) / reached.y, phase);
         vec3 extinction = max(medium.extinction, vec3(1e-20));
         // Over extinction: what the ray would look like if all of it were as here.
         source.molecules = (SUN * source.molecules + NIGHT / PI * (medium.rayleigh + medium.mie)) / extinction;

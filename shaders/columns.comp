@@ -1,6 +1,6 @@
 #version 460
-// Tables of the eye, a row of latitude an invocation: optical depths along the row's ray, and the places that divide it into even parts
-// of distance and opacity, at which the light that it scatters is sampled.
+// Tables of the eye, a row of latitude an invocation: optical depths along the row's ray, and the points that divide it into even
+// parts of distance and opacity, at which the light that it scatters is sampled.
 #include "air.glsl"
 
 layout(local_size_x = 8) in;

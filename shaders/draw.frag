@@ -10,7 +10,7 @@ layout(binding = 3) uniform sampler2DArray albedo;
 layout(binding = 6) uniform sampler2DArray relief;
 layout(binding = 7) uniform sampler2DArray grain_map;
 
-layout(location = 0) in vec3 in_place;
+layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec2 in_grid;
 layout(location = 2) flat in uint in_patch;
 layout(location = 0) out vec4 out_color;
@@ -63,13 +63,13 @@ const float GROUND_COPIES[2] = float[](211.0, 1361.0);
 const float CROWN_COPIES[2] = float[](4.0, 7.0);
 
 // Adds a copy of a layer: slopes as a gradient in space, and brightness; both fade into nothing where a pixel holds many of them.
-void add_grain(inout vec4 sum, vec3 place, vec3 weights, float texels, float copies, float layer, float share) {
+void add_grain(inout vec4 sum, vec3 position, vec3 weights, float texels, float copies, float layer, float share) {
     float lod = log2(texels * copies);
     // Single crowns are gone by then: what is left of them would only show where the map repeats.
     if (layer == CROWN_LAYER) share *= smoothstep(4.5, 2.5, lod);
     for (uint axes = lod > 7.0 || share <= 0.0 ? 0u : counted_axes(weights); axes != 0u;) {
         int axis = next_axis(axes);
-        vec3 found = textureLod(grain_map, vec3(coordinates_along(axis, place) * copies, layer), lod).xyz;
+        vec3 found = textureLod(grain_map, vec3(coordinates_along(axis, position) * copies, layer), lod).xyz;
         sum += share * weights[axis] * vec4(gradient_along(axis, found.xy), found.z);
     }
 }
@@ -80,11 +80,11 @@ void grain_of(vec3 from_camera, vec3 up, float footprint, float wooded, out vec4
     crowns = vec4(0.0);
     float texels = footprint * float(textureSize(grain_map, 0).x) / REPEAT_M;
     if (log2(texels * CROWN_COPIES[0]) > 4.5) return;
-    vec3 place = in_periods(from_camera), weights = axis_weights(up);
-    add_grain(crowns, place, weights, texels, CROWN_COPIES[0], CROWN_LAYER, 0.8 * wooded);
-    add_grain(crowns, place + 0.37, weights, texels, CROWN_COPIES[1], CROWN_LAYER, 0.6 * wooded);
-    add_grain(bare, place, weights, texels, GROUND_COPIES[0], GROUND_LAYER, 1.0 - wooded);
-    add_grain(bare, place, weights, texels, GROUND_COPIES[1], GROUND_LAYER, 1.0);
+    vec3 position = in_periods(from_camera), weights = axis_weights(up);
+    add_grain(crowns, position, weights, texels, CROWN_COPIES[0], CROWN_LAYER, 0.8 * wooded);
+    add_grain(crowns, position + 0.37, weights, texels, CROWN_COPIES[1], CROWN_LAYER, 0.6 * wooded);
+    add_grain(bare, position, weights, texels, GROUND_COPIES[0], GROUND_LAYER, 1.0 - wooded);
+    add_grain(bare, position, weights, texels, GROUND_COPIES[1], GROUND_LAYER, 1.0);
 }
 
 // How much of the ground is under trees: what is dark and green.
@@ -100,16 +100,16 @@ vec3 level_color(uint level) {
 
 void main() {
     PatchDraw target = patches[in_patch];
-    float distance = length(in_place);
-    vec3 from_centre = light.camera + in_place;
+    float distance = length(in_position);
+    vec3 from_centre = light.camera + in_position;
     vec3 up = normalize(from_centre);
-    Ground ground = ground_of(target, distance, abs(dot(in_place, up)) / distance);
+    Ground ground = ground_of(target, distance, abs(dot(in_position, up)) / distance);
     vec3 along = normalize(target.grid_axis - up * dot(target.grid_axis, up));
     vec3 normal = normalize(up - along * ground.slope.x - cross(up, along) * ground.slope.y);
-    float footprint = distance * pixel_angle() * inversesqrt(max(abs(dot(in_place, normal)) / distance, 0.05));
+    float footprint = distance * pixel_angle() * inversesqrt(max(abs(dot(in_position, normal)) / distance, 0.05));
     float wooded = wooded_share(ground.albedo);
     vec4 bare, crowns;
-    grain_of(in_place, up, footprint, wooded, bare, crowns);
+    grain_of(in_position, up, footprint, wooded, bare, crowns);
     // Snow and sand are smoother than what grows or lies about.
     float roughness = mix(0.26, 0.08, smoothstep(0.2, 0.6, dot(ground.albedo, vec3(0.3, 0.6, 0.1))));
     vec3 gradient = roughness * bare.xyz + CROWN_SLOPE * crowns.xyz;

@@ -10,13 +10,13 @@ layout(scalar, binding = 4) readonly buffer View { FrameView view; };
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(scalar, binding = 5) readonly buffer Places { DrawnVertex places[]; };
 
-layout(location = 0) out vec3 out_place;
+layout(location = 0) out vec3 out_position;
 layout(location = 1) out vec2 out_grid;
 layout(location = 2) flat out uint out_patch;
 
 invariant gl_Position;
 
-vec2 grid_place(Vertices vertices, uint v) {
+vec2 grid_position(Vertices vertices, uint v) {
     uint grid = grid_of(vertices, v);
     uint row = view.cells + 1u;
     return vec2(grid % row, grid / row);
@@ -27,10 +27,10 @@ void main() {
     uint v = uint(gl_VertexIndex) & ((1u << VERTEX_BITS) - 1u);
     Vertices vertices = Vertices(patches[number].vertices);
     DrawnVertex drawn = places[patches[number].resolve_offset + v];
-    precise vec3 place = (drawn.place + view.shift) * view.unit;
-    precise vec4 clip = view.clip * vec4(place, 1.0);
-    out_place = place;
-    out_grid = mix(grid_place(vertices, v), grid_place(vertices, parent_of(vertices, v)), drawn.weight);
+    precise vec3 position = (drawn.place + view.shift) * view.unit;
+    precise vec4 clip = view.clip * vec4(position, 1.0);
+    out_position = position;
+    out_grid = mix(grid_position(vertices, v), grid_position(vertices, parent_of(vertices, v)), drawn.weight);
     out_patch = number;
     gl_Position = vec4(clip.xy, clip.z * DEPTH_LIFT, clip.w);
 }

@@ -45,7 +45,7 @@ bool is_culled(uint first, uvec3 corners) {
     return (view.culling & CULL_BACK) != 0u && faces_away(a, b, c);
 }
 
-// Corners of a triangle, as places in the wake order.
+// Corners of a triangle, as vertex indices.
 uvec3 corners_of(Triangles triangles, uint t) {
     uint word = t + t / 2u;
     uint low = triangles.at[word];
@@ -64,10 +64,10 @@ void main() {
         uvec3 corners = uvec3(0u);
         bool keep = t < task.end;
         if (keep) {
-            uvec3 places = corners_of(triangles, t);
-            corners.x = resolved[target.resolve_offset + places.x];
-            corners.y = resolved[target.resolve_offset + places.y];
-            corners.z = resolved[target.resolve_offset + places.z];
+            uvec3 vertices = corners_of(triangles, t);
+            corners.x = resolved[target.resolve_offset + vertices.x];
+            corners.y = resolved[target.resolve_offset + vertices.y];
+            corners.z = resolved[target.resolve_offset + vertices.z];
             keep = corners.x != corners.y && corners.y != corners.z && corners.z != corners.x
                 && !is_culled(target.resolve_offset, corners);
         }

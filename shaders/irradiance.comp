@@ -16,9 +16,9 @@ vec3 sky(float height, vec3 ray, vec3 sun) {
     for (int k = 0; k < STEPS; ++k) {
         float from = float(k * k) / float(STEPS * STEPS), to = float((k + 1) * (k + 1)) / float(STEPS * STEPS);
         float t = 0.5 * (from + to) * whole;
-        vec2 place = after(height, ray.z, t);
-        Medium medium = medium_at(place.x);
-        Source source = source_at(medium, place.x, (r * sun.z + t * nu) / place.y, phase);
+        vec2 reached = after(height, ray.z, t);
+        Medium medium = medium_at(reached.x);
+        Source source = source_at(medium, reached.x, (r * sun.z + t * nu) / reached.y, phase);
         vec3 here = exp(-medium.extinction * (to - from) * whole);
         sum += passed * (1.0 - here) * (source.molecules + haze_phase * source.haze) / max(medium.extinction, vec3(1e-20));
         passed *= here;

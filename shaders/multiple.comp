@@ -18,11 +18,11 @@ void look(float height, vec3 ray, vec3 sun, out vec3 second, out vec3 share) {
         float a = float(k) / float(MULTIPLE_STEPS), b = float(k + 1) / float(MULTIPLE_STEPS);
         float from = to_ground ? unspread(a) : a * a, to = to_ground ? unspread(b) : b * b;
         float t = 0.5 * (from + to) * whole;
-        vec2 place = after(height, ray.z, t);
-        Medium medium = medium_at(place.x);
+        vec2 reached = after(height, ray.z, t);
+        Medium medium = medium_at(reached.x);
         vec3 here = exp(-medium.extinction * (to - from) * whole);
         vec3 weight = passed * (1.0 - here) * (medium.rayleigh + medium.mie) / max(medium.extinction, vec3(1e-20));
-        second += weight * sun_share(place.x, (r * sun.z + t * nu) / place.y) / (4.0 * PI);
+        second += weight * sun_share(reached.x, (r * sun.z + t * nu) / reached.y) / (4.0 * PI);
         share += weight;
         passed *= here;
     }

@@ -33,14 +33,14 @@ float gusts(vec3 up) {
 
 // Slopes of the waves that a pixel resolves, as a gradient in space, and the variance of the slopes of those that it does not.
 vec3 wave_slopes(vec3 from_camera, vec3 up, float footprint, out float variance) {
-    vec3 place = in_periods(from_camera), weights = axis_weights(up), gradient = vec3(0.0);
+    vec3 position = in_periods(from_camera), weights = axis_weights(up), gradient = vec3(0.0);
     float texels = footprint * float(textureSize(waves, 0).x) / REPEAT_M, resolved = 0.0;
     vec3 lods = log2(texels * vec3(WAVE_COPIES[0], WAVE_COPIES[1], WAVE_COPIES[2]));
     int tiles = resolved_tiles(lods, 7.0);
     for (uint axes = counted_axes(weights); axes != 0u;) {
         int axis = next_axis(axes);
         for (int k = 0; k < tiles; ++k) {
-            vec2 at = (coordinates_along(axis, place) - DRIFT[k] * light.time / REPEAT_M) * WAVE_COPIES[k];
+            vec2 at = (coordinates_along(axis, position) - DRIFT[k] * light.time / REPEAT_M) * WAVE_COPIES[k];
             vec3 found = textureLod(waves, vec3(at, float(k)), lods[k]).xyz;
             gradient += weights[axis] * gradient_along(axis, found.xy);
             resolved += weights[axis] * found.z;

@@ -71,7 +71,7 @@ vec2 from_texel(ivec2 texel, ivec2 size) { return vec2(texel) / vec2(size - 1); 
 
 // --- Transmittance to the air's upper edge, by height and cosine. ---
 
-vec2 transmittance_place(float height, float c) {
+vec2 transmittance_coordinates(float height, float c) {
     float bottom = bottom_radius(), top = thickness();
     float rho = sqrt(height * (2.0 * bottom + height)), edge = sqrt(top * (2.0 * bottom + top));
     float nearest = top - height, farthest = rho + edge;
@@ -79,11 +79,11 @@ vec2 transmittance_place(float height, float c) {
 }
 
 // The inverse: height and cosine.
-vec2 transmittance_ray(vec2 place) {
+vec2 transmittance_ray(vec2 coordinates) {
     float bottom = bottom_radius(), top = thickness();
-    float edge = sqrt(top * (2.0 * bottom + top)), rho = edge * place.y;
+    float edge = sqrt(top * (2.0 * bottom + top)), rho = edge * coordinates.y;
     float r = sqrt(rho * rho + bottom * bottom), height = rho * rho / (r + bottom);
-    float nearest = top - height, d = nearest + place.x * (rho + edge - nearest);
+    float nearest = top - height, d = nearest + coordinates.x * (rho + edge - nearest);
     float c = d > 0.0 ? ((top - height) * (2.0 * bottom + top + height) - d * d) / (2.0 * r * d) : 1.0;
     return vec2(height, clamp(c, -1.0, 1.0));
 }
@@ -93,14 +93,14 @@ float sun_visibility(float height, float c) { return smoothstep(-SUN_RADIUS, SUN
 
 // --- Tables by the sun's cosine and by height, both finest near 0. ---
 
-vec2 sun_place(float height, float c) {
+vec2 sun_coordinates(float height, float c) {
     return vec2(0.5 + 0.5 * sign(c) * sqrt(abs(c)), sqrt(height / thickness()));
 }
 
 // The inverse: height and cosine.
-vec2 sun_height(vec2 place) {
-    float x = 2.0 * place.x - 1.0;
-    return vec2(place.y * place.y * thickness(), x * abs(x));
+vec2 sun_height(vec2 coordinates) {
+    float x = 2.0 * coordinates.x - 1.0;
+    return vec2(coordinates.y * coordinates.y * thickness(), x * abs(x));
 }
 
 // --- Tables of the eye: rays by their latitude against the horizon of where they begin, where the eye is or, from outside, where they
@@ -145,7 +145,7 @@ float spread(float share) { return share < 0.5 ? sqrt(0.5 * share) : 1.0 - sqrt(
 float unspread(float x) { return x < 0.5 ? 2.0 * x * x : 1.0 - 2.0 * (1.0 - x) * (1.0 - x); }
 
 // Where along a ray scattered light is kept: by distance and by opacity in equal parts. By opacity alone it would be best for rays in
-// daylight, but the light at the end of a long ray through the Earth's shadow would fall between the last two places.
+// daylight, but the light at the end of a long ray through the Earth's shadow would fall between the last two slices.
 float ray_part(float share, float opacity_share) { return 0.5 * (spread(share) + opacity_share); }
 
 #endif

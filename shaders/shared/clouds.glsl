@@ -1,4 +1,5 @@
-// A sheet of cloud at one height: how deep it is over a place, and what it leaves of the sun below it. What it is made of: planet/src/maps/clouds.rs.
+// A sheet of cloud at one height: how deep it is over a site, and what it leaves of the sun below it. What it is made of:
+// planet/src/maps/clouds.rs.
 
 #ifndef TERRANE_CLOUDS
 #define TERRANE_CLOUDS
@@ -86,7 +87,7 @@ float starlight_through_clouds(vec3 ray) {
 // Share of light that a sheet of some optical depth throws back.
 float cloud_reflectance(float depth) { return depth / (depth + HALF_REFLECTED); }
 
-// Share of the sun's light that the clouds let through to a place `height` metres above the datum.
+// Share of the sun's light that the clouds let through to a site `height` metres above the datum.
 float cloud_shadow(vec3 from_centre, float height, float elevation, float footprint) {
     float above = light.cloud_height - height;
     if (!has_clouds() || above <= 0.0 || elevation <= -0.05) return 1.0;

@@ -19,7 +19,7 @@ struct Way {
     float start;
     float whole;
     // Azimuth and latitude.
-    vec2 place;
+    vec2 coordinates;
 };
 
 // By the cosine: what is the same to the left and to the right is smooth in it, and it is finest across, where terminators lie.
@@ -44,22 +44,22 @@ bool find_way(vec3 ray, out Way way) {
     bool to_ground = c < sin(light.horizon);
     ivec2 size = textureSize(scattered_table, 0).xy;
     way.whole = max(way_length(height, c, to_ground), 1e-3);
-    way.place = vec2(azimuth_column(ray, up, light.sunward, size.x), latitude_row(c, to_ground, size.y));
+    way.coordinates = vec2(azimuth_column(ray, up, light.sunward, size.x), latitude_row(c, to_ground, size.y));
     return true;
 }
 
-vec3 slice(sampler2DArray table, vec2 place, float share) {
+vec3 slice(sampler2DArray table, vec2 coordinates, float share) {
     float last = float(textureSize(table, 0).z - 1);
     float at = clamp(share, 0.0, 1.0) * last;
     float below = min(floor(at), last - 1.0);
-    vec3 a = textureLod(table, vec3(place, below), 0.0).rgb, b = textureLod(table, vec3(place, below + 1.0), 0.0).rgb;
+    vec3 a = textureLod(table, vec3(coordinates, below), 0.0).rgb, b = textureLod(table, vec3(coordinates, below + 1.0), 0.0).rgb;
     return mix(a, b, at - below);
 }
 
 // Optical depth over the share of the way to a distance; alpha is the mean opacity of the whole way.
 vec4 column_to(Way way, float share) {
     ivec2 size = textureSize(columns, 0);
-    return textureLod(columns, vec2((0.5 + spread(share) * float(size.x - 1)) / float(size.x), way.place.y), 0.0);
+    return textureLod(columns, vec2((0.5 + spread(share) * float(size.x - 1)) / float(size.x), way.coordinates.y), 0.0);
 }
 
 // The air before something.
@@ -84,7 +84,7 @@ Air air_before(vec3 ray, float distance) {
     air.passed = exp(-column.rgb * share);
     float part = ray_part(share, dot(1.0 - air.passed, vec3(1.0 / 3.0)) / max(column.a, 1e-9));
     float phase = mie_phase(dot(ray, light.sun));
-    air.glow = slice(scattered_table, air.way.place, part) + phase * slice(haze_table, air.way.place, part);
+    air.glow = slice(scattered_table, air.way.coordinates, part) + phase * slice(haze_table, air.way.coordinates, part);
     return air;
 }
 
@@ -101,9 +101,9 @@ vec3 sky_radiance(vec3 ray) {
     Way way;
     if (!has_air() || !find_way(ray, way)) return vec3(0.0);
     float last = float(textureSize(scattered_table, 0).z - 1);
-    vec3 opacity = 1.0 - exp(-textureLod(columns, vec2(1.0, way.place.y), 0.0).rgb);
-    vec3 haze = textureLod(haze_table, vec3(way.place, last), 0.0).rgb;
-    return opacity * (textureLod(scattered_table, vec3(way.place, last), 0.0).rgb + mie_phase(dot(ray, light.sun)) * haze);
+    vec3 opacity = 1.0 - exp(-textureLod(columns, vec2(1.0, way.coordinates.y), 0.0).rgb);
+    vec3 haze = textureLod(haze_table, vec3(way.coordinates, last), 0.0).rgb;
+    return opacity * (textureLod(scattered_table, vec3(way.coordinates, last), 0.0).rgb + mie_phase(dot(ray, light.sun)) * haze);
 }
 
 #endif

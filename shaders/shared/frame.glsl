@@ -7,7 +7,7 @@
 #include "codings.glsl"
 
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Vertices { PatchVertex at[]; };
-// Triangles are three 16-bit places in the wake order each, without padding: two of them in three words.
+// Triangles are three 16-bit vertex indices each, without padding: two of them in three words.
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triangles { uint at[]; };
 
 uint grid_of(Vertices vertices, uint v) { return low16(vertices.at[v].grid_own); }

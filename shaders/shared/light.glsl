@@ -41,7 +41,7 @@ float distance_to_sea(vec3 ray) {
     return hits.x < hits.y && hits.y > 0.0 ? hits.x : -1.0;
 }
 
-// View ray of a place in the window at uv in [0, 1], not normalised: its length per unit of distance along the view axis.
+// View ray of a point in the window at uv in [0, 1], not normalised: its length per unit of distance along the view axis.
 vec3 view_ray(vec2 uv) {
     vec2 screen = (light.window.xy + uv * light.window.zw) / light.size * 2.0 - 1.0;
     return light.forward + light.right * screen.x - light.up * screen.y;
@@ -50,7 +50,7 @@ vec3 view_ray(vec2 uv) {
 // Width of a pixel at a metre along the view axis, in metres.
 float pixel_angle() { return 2.0 * length(light.up) / light.size.y; }
 
-// Where a place of the picture lies in the window; both from -1 to 1, y down.
+// Where a point of the picture lies in the window; both from -1 to 1, y down.
 vec2 in_window(vec2 screen) {
     return ((screen * 0.5 + 0.5) * light.size - light.window.xy) / light.window.zw * 2.0 - 1.0;
 }

@@ -1,12 +1,12 @@
-// The sky as places on the sea or the ground see it, for reflections.
+// The sky as sites on the sea or the ground see it, for reflections.
 
 #ifndef TERRANE_MIRRORED_SKY
 #define TERRANE_MIRRORED_SKY
 #include "eye_air.glsl"
 
-// Radiance of the sky of a place from an upward direction, without the sun's disc. `up` is the place's vertical, `irradiance` that
-// of the sky there (skylight.glsl). For eyes low in the air it is the eye's sky turned to the place's
-// vertical; from higher up, where that is darker than the place's, a gradient with the brightness of the place's sky.
+// Radiance of the sky of a site from an upward direction, without the sun's disc. `up` is the site's vertical, `irradiance` that
+// of the sky there (skylight.glsl). For eyes low in the air it is the eye's sky turned to the site's
+// vertical; from higher up, where that is darker than the site's, a gradient with the brightness of the site's sky.
 vec3 mirrored_sky(vec3 direction, vec3 up, vec3 irradiance) {
     float low = has_air() ? 1.0 - smoothstep(0.25, 1.0, light.altitude / light.scale_height) : 0.0;
     vec3 seen = vec3(0.0);

@@ -1,4 +1,4 @@
-// Light of the whole sky that arrives at places. Binds the table of the sky's irradiance.
+// Light of the whole sky that arrives at points. Binds the table of the sky's irradiance.
 
 #ifndef TERRANE_SKYLIGHT
 #define TERRANE_SKYLIGHT
@@ -9,7 +9,7 @@ layout(binding = 11) uniform sampler2D irradiance;
 // Irradiance of the whole sky on level ground `height` metres above the datum, where the sun's elevation has sine `c`.
 vec3 sky_irradiance(float height, float c) {
     if (!has_air()) return 0.3 * NIGHT;
-    vec2 at = sun_place(clamp(height - light.air_bottom, 0.0, thickness()), c);
+    vec2 at = sun_coordinates(clamp(height - light.air_bottom, 0.0, thickness()), c);
     return textureLod(irradiance, to_texels(at, textureSize(irradiance, 0)), 0.0).rgb + NIGHT;
 }
 

@@ -1,4 +1,4 @@
-// Sunlight that arrives at places in the air or on the ground. Binds the table of transmittance.
+// Sunlight that arrives at points in the air or on the ground. Binds the table of transmittance.
 
 #ifndef TERRANE_SUNLIGHT
 #define TERRANE_SUNLIGHT
@@ -10,7 +10,7 @@ layout(binding = 10) uniform sampler2D transmittance;
 vec3 sun_share(float height, float c) {
     float visible = sun_visibility(height, c);
     if (visible <= 0.0) return vec3(0.0);
-    vec2 at = transmittance_place(clamp(height, 0.0, thickness()), c);
+    vec2 at = transmittance_coordinates(clamp(height, 0.0, thickness()), c);
     return visible * textureLod(transmittance, to_texels(at, textureSize(transmittance, 0)), 0.0).rgb;
 }
 

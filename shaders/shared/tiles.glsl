@@ -31,7 +31,7 @@ int next_axis(inout uint axes) {
 // How many of three tiles a pixel resolves something of: those whose level of detail, coarsest tile first, is below a limit.
 int resolved_tiles(vec3 lods, float limit) { return int(dot(vec3(lessThan(lods, vec3(limit))), vec3(1.0))); }
 
-// A place relative to the camera in periods of REPEAT_M, exact near the camera.
+// A position relative to the camera in periods of REPEAT_M, exact near the camera.
 vec3 in_periods(vec3 from_camera) { return (light.anchor + from_camera) / REPEAT_M; }
 
 // Slopes of a map seen along axis k, as a gradient in space.
@@ -39,7 +39,7 @@ vec3 gradient_along(int k, vec2 slopes) {
     return k == 0 ? vec3(0.0, slopes) : k == 1 ? vec3(slopes.y, 0.0, slopes.x) : vec3(slopes, 0.0);
 }
 
-// Map coordinates of a place seen along axis k.
-vec2 coordinates_along(int k, vec3 place) { return k == 0 ? place.yz : k == 1 ? place.zx : place.xy; }
+// Map coordinates of a position seen along axis k.
+vec2 coordinates_along(int k, vec3 position) { return k == 0 ? position.yz : k == 1 ? position.zx : position.xy; }
 
 #endif
