@@ -73,7 +73,7 @@ fn worst(known: &KnownGround, leaves: &[PatchId]) -> [f64; 2] {
     let mut worst = [0.0f64; 2];
     for &id in leaves {
         for _ in 0..60 {
-            let (point, border) = point(&mut random, &FIELD, id);
+            let (point, border) = random_point(&mut random, &FIELD, id);
             let found = known.height_at(point * 17.0).unwrap();
             // Beside a patch of another level, rounded corners may put the point into that patch.
             if border && found.level != id.level {
