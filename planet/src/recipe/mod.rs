@@ -5,7 +5,6 @@ mod atmosphere;
 mod clouds;
 mod edit;
 mod error;
-mod landform;
 mod layer;
 mod palette;
 mod reader;
@@ -15,8 +14,11 @@ pub use atmosphere::Atmosphere;
 pub use clouds::Clouds;
 pub use edit::{Edit, EditRange, Shape};
 pub use error::RecipeError;
-pub use landform::{Canyons, Caps, Dunes, Lava, Rift, Shield};
-pub use layer::{Continents, Craters, HeightScale, Heightmap, Hills, Layer, Mountains, Octaves, Placement, Plains};
+pub(crate) use layer::layer_kinds;
+pub use layer::{
+    Canyons, Caps, Continents, Craters, Dunes, HeightScale, Heightmap, Hills, Lava, Layer, Mountains, Octaves, Placement,
+};
+pub use layer::{Plains, Rift, Shield};
 pub use palette::{Airless, Colour, Desert, Living, Palette};
 
 use crate::globe::sun::EARTH_TILT;

@@ -2,11 +2,12 @@
 //! the main ones; flat floors, steep walls in steps. In: a chunk of points in metres and the base elevation. Out: metres of the
 //! layer's own at each point, never above 0, or nothing where there are none in the whole chunk.
 
+use super::layer::{Evaluate, Past};
 use super::noise::mix;
 use super::octaves::{Fractal, Warp};
 use super::points::{Lane, Points, LANES};
 use super::regions::Regions;
-use crate::recipe;
+use crate::recipe::{self, Recipe, RecipeError};
 
 /// Ledges on the way down a wall.
 const LEDGES: i32 = 5;
@@ -23,9 +24,11 @@ pub(crate) struct Canyons {
     depth_m: f64,
 }
 
-impl Canyons {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Canyons) -> Self {
-        Self {
+impl Evaluate for Canyons {
+    type Recipe = recipe::Canyons;
+
+    fn new(seed: u64, recipe: &recipe::Canyons, _: &Recipe) -> Result<Self, RecipeError> {
+        Ok(Self {
             lines: Fractal::new(seed, &recipe.octaves),
             warp: Warp::new(mix(seed ^ 1), recipe.octaves.wavelength_m, recipe.warp_m, 3),
             regions: Regions::new(mix(seed ^ 2), recipe.region_m, recipe.cover, recipe.above_m),
@@ -33,12 +36,12 @@ impl Canyons {
             per_wall: (1.0 / (recipe.width * recipe.wall)) as f32,
             ledges: recipe.ledges as f32,
             depth_m: recipe.depth_m,
-        }
+        })
     }
 
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
-        let mask = self.regions.mask(p, base)?;
+    fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
+        let mask = self.regions.mask(p, &past.base)?;
         let mut room = None;
         let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         let mut own = self.lines.ridged(p);
@@ -50,7 +53,7 @@ impl Canyons {
         Some(own)
     }
 
-    pub(crate) fn range(&self) -> (f64, f64) {
+    fn range(&self, _: f64) -> (f64, f64) {
         (-self.depth_m, 0.0)
     }
 }

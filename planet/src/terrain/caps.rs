@@ -2,10 +2,11 @@
 //! from the pole (Smith and Holt 2010). In: a chunk of points in metres. Out: metres of the layer's own, how much of the ground is ice, and
 //! how much of a trough's wall is bare.
 
+use super::layer::{Evaluate, Past};
 use super::noise::{mix, nearest};
 use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{Lane, Points, LANES};
-use crate::recipe;
+use crate::recipe::{self, Recipe, RecipeError};
 use std::f64::consts::TAU;
 use terrane_heightfield::angles::{atan2, sin_cos};
 
@@ -40,10 +41,12 @@ struct Site {
     vigour: Lane,
 }
 
-impl Caps {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Caps, planet_m: f64) -> Self {
-        let edge_m = planet_m * sin_cos(recipe.latitude_deg).1;
-        Self {
+impl Evaluate for Caps {
+    type Recipe = recipe::Caps;
+
+    fn new(seed: u64, recipe: &recipe::Caps, planet: &Recipe) -> Result<Self, RecipeError> {
+        let edge_m = planet.radius * sin_cos(recipe.latitude_deg).1;
+        Ok(Self {
             per_edge: 1.0 / edge_m,
             turns: edge_m / recipe.apart_m,
             edge: Fractal::few(mix(seed ^ 1), edge_m * 0.6, 8),
@@ -51,24 +54,30 @@ impl Caps {
             vigour: Fractal::few(mix(seed ^ 3), edge_m * 0.3, 2),
             height_m: recipe.height_m,
             trough_m: recipe.trough_m,
-        }
+        })
     }
 
     /// Ice is younger than most craters: `renewed` says so.
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points, renewed: &mut Lane) -> Option<Lane> {
+    fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
         const SCARP: Ramp = Ramp::new([0.0, 0.014]);
         let site = self.site(p)?;
         let mut own = site.inward;
         for i in 0..LANES {
             let x = own[i].clamp(0.0, 1.0);
-            renewed[i] = renewed[i].max(SCARP.at(x));
+            past.renewed[i] = past.renewed[i].max(SCARP.at(x));
             let dome = 0.3 * SCARP.at(x) + 0.7 * x * (2.0 - x);
             own[i] = self.height_m as f32 * dome - self.trough_m as f32 * dip(site.share[i]) * site.vigour[i];
         }
         Some(own)
     }
 
+    fn range(&self, _: f64) -> (f64, f64) {
+        (-self.trough_m, self.height_m)
+    }
+}
+
+impl Caps {
     /// How much of the ground is ice, and how much of it is a bare wall; nothing far from the caps.
     #[inline(always)]
     pub(crate) fn cover(&self, p: &Points) -> Option<[Lane; 2]> {
@@ -114,10 +123,6 @@ impl Caps {
         }
         Site { inward, share, vigour: deep }
     }
-
-    pub(crate) fn range(&self) -> (f64, f64) {
-        (-self.trough_m, self.height_m)
-    }
 }
 
 /// Depth of a trough, 0 at both edges and 1 at the foot of its wall: down the wall, then up a long gentle slope.
@@ -130,6 +135,7 @@ fn dip(share: f32) -> f32 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::layer::planet;
     use super::*;
 
     #[test]
@@ -144,10 +150,10 @@ mod tests {
     #[test]
     fn spirals_continue_where_the_angle_starts_again() {
         let recipe = recipe::Caps { latitude_deg: 80.0, height_m: 2000.0, trough_m: 500.0, apart_m: 50e3 };
-        let caps = Caps::new(1, &recipe, 3.4e6);
+        let caps = Caps::new(1, &recipe, &planet(3.4e6)).unwrap();
         let at = |x: f64, y: f64, z: f64| {
             let length = (x * x + y * y + z * z).sqrt() / 3.4e6;
-            caps.metres(&Points::at([x, y, z].map(|v| [v / length; LANES])), &mut [0.0; LANES]).map(|own| own[0])
+            caps.metres(&Points::at([x, y, z].map(|v| [v / length; LANES])), &mut Past::over([0.0; LANES])).map(|own| own[0])
         };
         for z in [3.3e6, -3.3e6] {
             for x in [-1e5, -2e5, -3e5, -4e5] {

@@ -1,11 +1,12 @@
 //! Transverse dunes: asymmetric ridges across the wind, bent and broken by noise. In: a chunk of points in metres and the base
 //! elevation. Out: metres of the layer's own at each point, never below 0, or nothing where there are none in the whole chunk.
 
+use super::layer::{Evaluate, Past};
 use super::noise::{mix, nearest};
 use super::octaves::{Fractal, Ramp};
 use super::points::{Lane, Points, LANES, TURNS};
 use super::regions::Regions;
-use crate::recipe;
+use crate::recipe::{self, Recipe, RecipeError};
 
 /// Share of a dune's width that faces the wind.
 const WINDWARD: f32 = 0.76;
@@ -28,22 +29,24 @@ pub(crate) struct Dunes {
     amplitude_m: f64,
 }
 
-impl Dunes {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Dunes, planet_m: f64) -> Self {
-        Self {
+impl Evaluate for Dunes {
+    type Recipe = recipe::Dunes;
+
+    fn new(seed: u64, recipe: &recipe::Dunes, planet: &Recipe) -> Result<Self, RecipeError> {
+        Ok(Self {
             turn: (seed >> 32) as usize % TURNS,
             per_metre: 1.0 / recipe.wavelength_m,
-            per_radius: 1.0 / planet_m,
+            per_radius: 1.0 / planet.radius,
             bend: Fractal::few(mix(seed ^ 1), recipe.wavelength_m * 8.0, 3),
             vigour: Fractal::few(mix(seed ^ 3), recipe.wavelength_m * 3.0, 2),
             regions: Regions::new(mix(seed ^ 2), recipe.region_m, recipe.cover, recipe.above_m),
             amplitude_m: recipe.amplitude_m,
-        }
+        })
     }
 
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
-        let mut own = self.mask(p, base)?;
+    fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
+        let mut own = self.mask(p, &past.base)?;
         let (bend, vigour) = (self.bend.brownian(p), self.vigour.brownian(p));
         let along = &p.turned[self.turn].axes[0];
         for i in 0..LANES {
@@ -55,6 +58,12 @@ impl Dunes {
         Some(own)
     }
 
+    fn range(&self, _: f64) -> (f64, f64) {
+        (0.0, self.amplitude_m)
+    }
+}
+
+impl Dunes {
     /// How much of the ground is dunes, 0 to 1; nothing where that is 0 throughout.
     #[inline(always)]
     pub(crate) fn mask(&self, p: &Points, base: &Lane) -> Option<Lane> {
@@ -72,10 +81,6 @@ impl Dunes {
     /// Whether these are dunes with sand of their own colour; ripples are of the ground's.
     pub(crate) fn coloured(&self) -> bool {
         self.per_metre * RIPPLES_M < 1.0
-    }
-
-    pub(crate) fn range(&self) -> (f64, f64) {
-        (0.0, self.amplitude_m)
     }
 }
 

@@ -6,10 +6,11 @@
 
 use super::albedo::{mixed, put, rgb, ColourLanes, Rgb, Site, Tints};
 use super::climate::{Climate, Weather};
+use super::layer::{Evaluate, Past, Step};
 use super::noise::mix;
 use super::octaves::{Fractal, Ramp};
 use super::points::{axes, Lane, Points, LANES};
-use super::{Step, Terrain};
+use super::Terrain;
 use crate::recipe::{Living, Octaves};
 use glam::DVec3;
 use std::sync::OnceLock;
@@ -143,11 +144,11 @@ impl Terrain {
     /// How deep in a river's valley each point is, 0 to 1.
     #[inline(always)]
     fn valleys(&self, p: &Points, base: &Lane) -> Lane {
-        let mut deepest = [0.0; LANES];
+        let (mut deepest, mut past) = ([0.0; LANES], Past::over(*base));
         for step in &self.steps {
             let Step::Canyons(canyons) = step else { continue };
-            let Some(own) = canyons.metres(p, base) else { continue };
-            let per_depth = (1.0 / canyons.range().0.min(-1e-3)) as f32;
+            let Some(own) = canyons.metres(p, &mut past) else { continue };
+            let per_depth = (1.0 / canyons.range(0.0).0.min(-1e-3)) as f32;
             for i in 0..LANES {
                 deepest[i] = (own[i] * per_depth).max(deepest[i]);
             }

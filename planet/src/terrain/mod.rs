@@ -18,6 +18,7 @@ pub(crate) mod edits;
 mod eroded;
 mod heightmap;
 mod lava;
+mod layer;
 mod living;
 pub(crate) mod noise;
 pub(crate) mod octaves;
@@ -31,20 +32,16 @@ mod shield;
 
 pub use crate::ground::GroundPoint;
 use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
-use canyons::Canyons;
 use caps::Caps;
 use craters::Craters;
 use dunes::Dunes;
 use edits::Edits;
 use glam::DVec3;
-use heightmap::Heightmap;
-use lava::Lava;
+use layer::{Past, Step};
 use noise::mix;
 use octaves::{Fractal, Ramp};
 use points::{Lane, Points, WideLane, LANES};
-use relief::{Continents, Hills, Mountains, Plains};
 use rift::Rift;
-use shield::Shield;
 
 /// A planet's ground, ready to evaluate. Shared freely between threads.
 pub struct Terrain {
@@ -63,48 +60,6 @@ pub struct Terrain {
     tints: albedo::Tints,
 }
 
-enum Step {
-    Continents(Continents),
-    Mountains(Mountains),
-    Hills(Hills),
-    Plains(Plains),
-    Craters(Craters),
-    Canyons(Canyons),
-    Dunes(Dunes),
-    Lava(Lava),
-    Caps(Caps),
-    Shield(Shield),
-    Rift(Rift),
-    Heightmap(Box<Heightmap>),
-}
-
-/// What layers leave for those after them, besides base elevation.
-struct Past {
-    /// How much of the ground is younger than most craters, 0 to 1.
-    renewed: Lane,
-    /// Metres of all rifts so far: where two meet the deeper one counts.
-    rifts: Lane,
-}
-
-impl Default for Past {
-    #[inline(always)]
-    fn default() -> Self {
-        Self { renewed: [0.0; LANES], rifts: [0.0; LANES] }
-    }
-}
-
-impl Past {
-    /// What one more rift adds.
-    #[inline(always)]
-    fn deepen(&mut self, mut own: Lane) -> Lane {
-        for i in 0..LANES {
-            let deeper = own[i].min(self.rifts[i]);
-            (own[i], self.rifts[i]) = (deeper - self.rifts[i], deeper);
-        }
-        own
-    }
-}
-
 /// Slope at the waterline relative to what it would be without beaches.
 const BEACH_SLOPE: f64 = 0.22;
 /// How far the widest beaches are felt, in heights of a beach.
@@ -119,7 +74,7 @@ impl Terrain {
     /// # Errors
     /// If a heightmap is missing among the recipe's assets, damaged, or does not fit what the recipe says about it.
     pub fn new(recipe: &Recipe) -> Result<Self, RecipeError> {
-        let step = |(i, layer): (usize, &Layer)| Step::new(recipe, mix(recipe.seed ^ mix(i as u64 + 1)), layer);
+        let step = |(i, layer): (usize, &Layer)| Step::new(mix(recipe.seed ^ mix(i as u64 + 1)), layer, recipe);
         let steps = recipe.layers.iter().enumerate().map(step).collect::<Result<Vec<_>, _>>()?;
         let mut terrain = Self {
             radius: recipe.radius,
@@ -196,71 +151,30 @@ impl Terrain {
         heights.copy_from_slice(&sum[..heights.len()]);
     }
 
-    /// Base elevation: continents, basins, lava, volcanoes and heightmaps alone. Adds all layers to `height` where one is given. Layers
-    /// skip what their masks hide from the whole chunk; that adds 0 elsewhere, so the bits do not depend on the chunk.
+    /// Base elevation: continents, basins, lava, volcanoes and heightmaps alone. Adds all layers to `height` where one is given.
     #[inline(always)]
     fn compose(&self, p: &Points, mut height: Option<&mut WideLane>) -> Lane {
-        let (mut base, mut past) = ([0.0; LANES], Past::default());
+        let mut past = Past::over([0.0; LANES]);
         for step in &self.steps {
-            let own = match step {
-                Step::Continents(layer) => Some(layer.metres(p)),
-                Step::Craters(layer) if layer.basins() => layer.metres(p, &base, &past.renewed),
-                Step::Lava(layer) => layer.metres(p, &base),
-                Step::Shield(layer) => layer.metres(p, &mut past.renewed),
-                Step::Heightmap(layer) => {
-                    self.replace(layer, p, &mut base, height.as_deref_mut());
-                    None
-                }
-                _ if height.is_none() => None,
-                Step::Mountains(layer) => layer.metres(p, &base),
-                Step::Hills(layer) => layer.metres(p, &base),
-                Step::Plains(layer) => Some(layer.metres(p)),
-                Step::Craters(layer) => layer.metres(p, &base, &past.renewed),
-                Step::Canyons(layer) => layer.metres(p, &base),
-                Step::Dunes(layer) => layer.metres(p, &base),
-                Step::Caps(layer) => layer.metres(p, &mut past.renewed),
-                Step::Rift(layer) => layer.metres(p).map(|own| past.deepen(own)),
-            };
-            let Some(own) = own else { continue };
-            if step.is_base() {
-                for i in 0..LANES {
-                    base[i] += own[i];
-                }
-            }
-            if let Some(height) = height.as_deref_mut() {
-                for i in 0..LANES {
-                    height[i] += f64::from(own[i]);
-                }
-            }
+            step.compose(p, &mut past, height.as_deref_mut());
         }
-        base
-    }
-
-    fn replace(&self, map: &Heightmap, p: &Points, base: &mut Lane, height: Option<&mut WideLane>) {
-        let at = |i: usize| map.at([0, 1, 2].map(|k| p.place[k][i] / self.radius));
-        let found: [(f64, f64); LANES] = std::array::from_fn(at);
-        for (base, (metres, weight)) in base.iter_mut().zip(found) {
-            *base += ((metres - f64::from(*base)) * weight) as f32;
-        }
-        for (height, (metres, weight)) in height.into_iter().flatten().zip(found) {
-            *height += (metres - *height) * weight;
-        }
+        past.base
     }
 
     fn craters(&self) -> impl Iterator<Item = &Craters> {
-        self.steps.iter().filter_map(|s| if let Step::Craters(c) = s { Some(c) } else { None })
+        self.steps.iter().filter_map(|s| if let Step::Craters(c) = s { Some(c.as_ref()) } else { None })
     }
 
     fn caps(&self) -> impl Iterator<Item = &Caps> {
-        self.steps.iter().filter_map(|s| if let Step::Caps(c) = s { Some(c) } else { None })
+        self.steps.iter().filter_map(|s| if let Step::Caps(c) = s { Some(c.as_ref()) } else { None })
     }
 
     fn rifts(&self) -> impl Iterator<Item = &Rift> {
-        self.steps.iter().filter_map(|s| if let Step::Rift(r) = s { Some(r) } else { None })
+        self.steps.iter().filter_map(|s| if let Step::Rift(r) = s { Some(r.as_ref()) } else { None })
     }
 
     fn dunes(&self) -> impl Iterator<Item = &Dunes> {
-        self.steps.iter().filter_map(|s| if let Step::Dunes(d) = s { Some(d) } else { None })
+        self.steps.iter().filter_map(|s| if let Step::Dunes(d) = s { Some(d.as_ref()) } else { None })
     }
 
     /// Flattens the ground about sea level into beaches and shelves, on some coasts more than on others; monotone, and far from the
@@ -290,16 +204,7 @@ impl Terrain {
     }
 
     fn bound(&self) -> (f64, f64) {
-        let (mut low, mut high) = (0.0, 0.0);
-        for step in &self.steps {
-            if let Step::Heightmap(map) = step {
-                let (l, h) = map.range();
-                (low, high) = (f64::min(low, l), f64::max(high, h));
-            } else {
-                let (l, h) = step.range(low);
-                (low, high) = (low + l, high + h);
-            }
-        }
+        let (low, high) = self.steps.iter().fold((0.0, 0.0), |range, step| step.bound(range));
         // Half a metre for rounding in the sums.
         (low - 0.5, high + 0.5)
     }
@@ -309,53 +214,6 @@ impl Terrain {
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
 fn chunk_heights(terrain: &Terrain, directions: &[DVec3], heights: &mut [f64]) {
     terrain.chunk_heights(directions, heights);
-}
-
-impl Step {
-    fn new(recipe: &Recipe, seed: u64, layer: &Layer) -> Result<Self, RecipeError> {
-        Ok(match layer {
-            Layer::Continents(l) => Self::Continents(Continents::new(seed, l, recipe.radius)),
-            Layer::Mountains(l) => Self::Mountains(Mountains::new(seed, l)),
-            Layer::Hills(l) => Self::Hills(Hills::new(seed, l)),
-            Layer::Plains(l) => Self::Plains(Plains::new(seed, l)),
-            Layer::Craters(l) => Self::Craters(Craters::new(seed, l, recipe.radius)),
-            Layer::Canyons(l) => Self::Canyons(Canyons::new(seed, l)),
-            Layer::Dunes(l) => Self::Dunes(Dunes::new(seed, l, recipe.radius)),
-            Layer::Lava(l) => Self::Lava(Lava::new(seed, l)),
-            Layer::Caps(l) => Self::Caps(Caps::new(seed, l, recipe.radius)),
-            Layer::Shield(l) => Self::Shield(Shield::new(seed, l, recipe.radius)),
-            Layer::Rift(l) => Self::Rift(Rift::new(seed, l, recipe.radius)),
-            Layer::Heightmap(l) => Self::Heightmap(Box::new(Heightmap::new(recipe, l)?)),
-        })
-    }
-
-    /// Whether the layer belongs to the base elevation, which decides where others fade in.
-    fn is_base(&self) -> bool {
-        match self {
-            Self::Continents(_) | Self::Heightmap(_) | Self::Lava(_) | Self::Shield(_) => true,
-            Self::Craters(layer) => layer.basins(),
-            Self::Mountains(_) | Self::Hills(_) | Self::Plains(_) => false,
-            Self::Canyons(_) | Self::Dunes(_) | Self::Caps(_) | Self::Rift(_) => false,
-        }
-    }
-
-    /// Least and most that the layer adds to ground no lower than `low`.
-    fn range(&self, low: f64) -> (f64, f64) {
-        match self {
-            Self::Continents(l) => l.range(),
-            Self::Mountains(l) => l.range(),
-            Self::Hills(l) => l.range(),
-            Self::Plains(l) => l.range(),
-            Self::Craters(l) => l.range(),
-            Self::Canyons(l) => l.range(),
-            Self::Dunes(l) => l.range(),
-            Self::Lava(l) => l.range(low),
-            Self::Caps(l) => l.range(),
-            Self::Shield(l) => l.range(),
-            Self::Rift(l) => l.range(),
-            Self::Heightmap(l) => l.range(),
-        }
-    }
 }
 
 #[cfg(test)]

@@ -2,12 +2,13 @@
 //! metres of the layer's own at each point, or nothing where it is hidden from the whole chunk.
 
 use super::eroded::Eroded;
+use super::layer::{Evaluate, Past};
 use super::noise::mix;
 use super::octaves::{any_above_zero, Fractal, Ramp, Warp};
 use super::points::{Lane, Points, LANES};
 use super::profile::Profile;
 use super::regions::Regions;
-use crate::recipe;
+use crate::recipe::{self, Recipe, RecipeError};
 
 /// Oceans and continents.
 pub(crate) struct Continents {
@@ -20,22 +21,28 @@ pub(crate) struct Continents {
     north_per_metre: f64,
 }
 
-impl Continents {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Continents, planet_m: f64) -> Self {
+impl Evaluate for Continents {
+    type Recipe = recipe::Continents;
+
+    fn new(seed: u64, recipe: &recipe::Continents, planet: &Recipe) -> Result<Self, RecipeError> {
         let wavelength = recipe.octaves.wavelength_m;
         let ridges = (recipe.ridge_m > 0.0).then(|| Fractal::few(mix(seed ^ 2), wavelength * 0.6, 7));
-        Self {
+        Ok(Self {
             fractal: Fractal::new(seed, &recipe.octaves),
             warp: Warp::new(mix(seed ^ 1), wavelength * 0.5, recipe.warp_m, 3),
             profile: Profile::new(&recipe.profile),
             ridges,
             ridge_m: recipe.ridge_m,
-            north_per_metre: recipe.north / planet_m,
-        }
+            north_per_metre: recipe.north / planet.radius,
+        })
+    }
+
+    fn is_base(&self) -> bool {
+        true
     }
 
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points) -> Lane {
+    fn metres(&self, p: &Points, _: &mut Past) -> Option<Lane> {
         let mut room = None;
         let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         let mut noise = self.fractal.brownian(p);
@@ -48,9 +55,17 @@ impl Continents {
                 self.add_ridges(ridges, p, &mut own);
             }
         }
-        own
+        Some(own)
     }
 
+    fn range(&self, _: f64) -> (f64, f64) {
+        let (low, high) = self.profile.range();
+        let crest = if low < RIDGE_FADE_M[1] { RIDGE_FADE_M[1] + self.ridge_m } else { high };
+        (low, high.max(crest.min(high + self.ridge_m)))
+    }
+}
+
+impl Continents {
     #[inline(always)]
     fn add_ridges(&self, ridges: &Fractal, p: &Points, own: &mut Lane) {
         const FADE: Ramp = Ramp::new(RIDGE_FADE_M);
@@ -59,12 +74,6 @@ impl Continents {
             let near = 1.0 - (crest[i].abs() * 4.0).min(1.0);
             own[i] += self.ridge_m as f32 * near * near * (1.0 - FADE.at(own[i]));
         }
-    }
-
-    pub(crate) fn range(&self) -> (f64, f64) {
-        let (low, high) = self.profile.range();
-        let crest = if low < RIDGE_FADE_M[1] { RIDGE_FADE_M[1] + self.ridge_m } else { high };
-        (low, high.max(crest.min(high + self.ridge_m)))
     }
 }
 
@@ -83,9 +92,11 @@ pub(crate) struct Mountains {
     amplitude_m: f64,
 }
 
-impl Mountains {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Mountains) -> Self {
-        Self {
+impl Evaluate for Mountains {
+    type Recipe = recipe::Mountains;
+
+    fn new(seed: u64, recipe: &recipe::Mountains, _: &Recipe) -> Result<Self, RecipeError> {
+        Ok(Self {
             eroded: Eroded::new(seed, &recipe.octaves),
             warp: Warp::new(mix(seed ^ 1), recipe.octaves.wavelength_m, recipe.warp_m, 2),
             ranges: Fractal::few(mix(seed ^ 2), recipe.range_m, 5),
@@ -93,12 +104,12 @@ impl Mountains {
             above: Ramp::new(recipe.above_m),
             range_width: recipe.range_width as f32,
             amplitude_m: recipe.amplitude_m,
-        }
+        })
     }
 
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
-        let mask = self.mask(p, base)?;
+    fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
+        let mask = self.mask(p, &past.base)?;
         let mut room = None;
         let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         let ridges_m = (1.0 - UPLIFT) * self.amplitude_m as f32 / self.eroded.highest();
@@ -113,6 +124,12 @@ impl Mountains {
         Some(own)
     }
 
+    fn range(&self, _: f64) -> (f64, f64) {
+        (0.0, self.amplitude_m)
+    }
+}
+
+impl Mountains {
     /// How much of a range stands where, 0 to 1; nothing where that is 0 throughout.
     #[inline(always)]
     fn mask(&self, p: &Points, base: &Lane) -> Option<Lane> {
@@ -129,10 +146,6 @@ impl Mountains {
         }
         any_above_zero(&mask).then_some(mask)
     }
-
-    pub(crate) fn range(&self) -> (f64, f64) {
-        (0.0, self.amplitude_m)
-    }
 }
 
 /// Share of a range's height that is a smooth swell under the ridges.
@@ -146,19 +159,21 @@ pub(crate) struct Hills {
     amplitude_m: f64,
 }
 
-impl Hills {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Hills) -> Self {
-        Self {
+impl Evaluate for Hills {
+    type Recipe = recipe::Hills;
+
+    fn new(seed: u64, recipe: &recipe::Hills, _: &Recipe) -> Result<Self, RecipeError> {
+        Ok(Self {
             fractal: Fractal::new(seed, &recipe.octaves),
             regions: Regions::new(mix(seed ^ 1), recipe.region_m, recipe.cover, recipe.above_m),
             roundness: recipe.roundness as f32,
             amplitude_m: recipe.amplitude_m,
-        }
+        })
     }
 
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points, base: &Lane) -> Option<Lane> {
-        let mask = self.regions.mask(p, base)?;
+    fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
+        let mask = self.regions.mask(p, &past.base)?;
         let round = self.roundness;
         let plain = 1.0 - round.abs();
         let mut own = self.fractal.sum(p, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);
@@ -168,7 +183,7 @@ impl Hills {
         Some(own)
     }
 
-    pub(crate) fn range(&self) -> (f64, f64) {
+    fn range(&self, _: f64) -> (f64, f64) {
         let bound = self.amplitude_m * self.fractal.total;
         (-bound, bound)
     }
@@ -180,21 +195,23 @@ pub(crate) struct Plains {
     amplitude_m: f64,
 }
 
-impl Plains {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Plains) -> Self {
-        Self { fractal: Fractal::new(seed, &recipe.octaves), amplitude_m: recipe.amplitude_m }
+impl Evaluate for Plains {
+    type Recipe = recipe::Plains;
+
+    fn new(seed: u64, recipe: &recipe::Plains, _: &Recipe) -> Result<Self, RecipeError> {
+        Ok(Self { fractal: Fractal::new(seed, &recipe.octaves), amplitude_m: recipe.amplitude_m })
     }
 
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points) -> Lane {
+    fn metres(&self, p: &Points, _: &mut Past) -> Option<Lane> {
         let mut own = self.fractal.brownian(p);
         for v in &mut own {
             *v *= self.amplitude_m as f32;
         }
-        own
+        Some(own)
     }
 
-    pub(crate) fn range(&self) -> (f64, f64) {
+    fn range(&self, _: f64) -> (f64, f64) {
         let bound = self.amplitude_m * self.fractal.total;
         (-bound, bound)
     }

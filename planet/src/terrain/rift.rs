@@ -2,11 +2,12 @@
 //! In: a chunk of points in metres. Out: metres of the layer's own, or nothing where there is none in the whole chunk.
 
 use super::canyons::stairs;
+use super::layer::{Evaluate, Past};
 use super::noise::mix;
 use super::octaves::{Fractal, Ramp};
 use super::place::Place;
 use super::points::{Lane, Points, LANES};
-use crate::recipe;
+use crate::recipe::{self, Recipe, RecipeError};
 
 /// How far the trough wanders to either side, in widths.
 const WANDER: f32 = 0.55;
@@ -33,12 +34,14 @@ pub(crate) struct Rift {
     ledges: f32,
 }
 
-impl Rift {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Rift, planet_m: f64) -> Self {
+impl Evaluate for Rift {
+    type Recipe = recipe::Rift;
+
+    fn new(seed: u64, recipe: &recipe::Rift, planet: &Recipe) -> Result<Self, RecipeError> {
         // Walls stand at about 27 degrees.
         let wall_m = (2.0 * recipe.depth_m).min(0.3 * recipe.width_m);
-        Self {
-            place: Place::new(recipe.latitude_deg, recipe.longitude_deg, recipe.heading_deg, planet_m),
+        Ok(Self {
+            place: Place::new(recipe.latitude_deg, recipe.longitude_deg, recipe.heading_deg, planet.radius),
             wander: Fractal::few(mix(seed ^ 1), recipe.length_m * 0.22, 5),
             breadth: Fractal::few(mix(seed ^ 2), recipe.width_m * 2.2, 6),
             gullies: Fractal::few(mix(seed ^ 3), wall_m * 2.6, 8),
@@ -48,11 +51,11 @@ impl Rift {
             wall_m: wall_m as f32,
             depth_m: recipe.depth_m,
             ledges: recipe.ledges as f32,
-        }
+        })
     }
 
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points) -> Option<Lane> {
+    fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
         const AWAY: Ramp = Ramp::new([0.8, 2.2]);
         let mut own = self.within(p)?;
         let slumps = self.slumps.brownian(p);
@@ -63,9 +66,15 @@ impl Rift {
             let fill = 0.4 * (slumps[i] + 0.12).clamp(0.0, 1.0) * AWAY.at(own[i]);
             own[i] = -self.depth_m as f32 * (stepped - fill);
         }
-        Some(own)
+        Some(past.deepen(own))
     }
 
+    fn range(&self, _: f64) -> (f64, f64) {
+        (-self.depth_m, 0.0)
+    }
+}
+
+impl Rift {
     /// How much of the ground is the rift's floor, 0 to 1; nothing where there is none.
     #[inline(always)]
     pub(crate) fn floor(&self, p: &Points) -> Option<Lane> {
@@ -104,9 +113,5 @@ impl Rift {
             inside[i] = if up[i] > 0.0 { from_rim } else { -1.0 };
         }
         inside
-    }
-
-    pub(crate) fn range(&self) -> (f64, f64) {
-        (-self.depth_m, 0.0)
     }
 }

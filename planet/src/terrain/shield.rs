@@ -1,11 +1,12 @@
 //! Shield volcanoes, where the recipe puts them: long flanks that steepen upwards a little, a scarp at their foot, nested calderas at the
 //! top. In: a chunk of points in metres. Out: metres of the layer's own, never below 0, or nothing where there are none in the whole chunk.
 
+use super::layer::{Evaluate, Past};
 use super::noise::mix;
 use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::place::Place;
 use super::points::{Lane, Points, LANES};
-use crate::recipe;
+use crate::recipe::{self, Recipe, RecipeError};
 
 /// Calderas of a top: place in radii of the largest, radius, and depth. They cut into each other.
 const CALDERAS: [[f32; 4]; 4] =
@@ -30,10 +31,12 @@ pub(crate) struct Shield {
     scarp: f32,
 }
 
-impl Shield {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Shield, planet_m: f64) -> Self {
-        Self {
-            place: Place::new(recipe.latitude_deg, recipe.longitude_deg, 0.0, planet_m),
+impl Evaluate for Shield {
+    type Recipe = recipe::Shield;
+
+    fn new(seed: u64, recipe: &recipe::Shield, planet: &Recipe) -> Result<Self, RecipeError> {
+        Ok(Self {
+            place: Place::new(recipe.latitude_deg, recipe.longitude_deg, 0.0, planet.radius),
             bend: Fractal::few(mix(seed ^ 1), recipe.radius_m * 0.55, 6),
             slumps: Fractal::few(mix(seed ^ 2), recipe.caldera_m.max(1e3) * 0.5, 6),
             radius_m: recipe.radius_m,
@@ -41,12 +44,16 @@ impl Shield {
             caldera_m: recipe.caldera_m,
             caldera_depth_m: recipe.caldera_depth_m,
             scarp: recipe.scarp as f32,
-        }
+        })
+    }
+
+    fn is_base(&self) -> bool {
+        true
     }
 
     /// Its flanks are younger ground: `renewed` says so.
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points, renewed: &mut Lane) -> Option<Lane> {
+    fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
         const YOUNG: Ramp = Ramp::new([0.06, 0.3]);
         let mut own = self.place.distances2(p);
         let reach = self.radius_m / f64::from(1.0 - WANDER) + 1.0;
@@ -61,7 +68,7 @@ impl Shield {
             let wide = 1.0 + WANDER * bend[i].clamp(-1.0, 1.0) * out.min(1.0);
             let up = (1.0 - out * wide).max(0.0);
             own[i] = self.height_m as f32 * self.flank(up);
-            renewed[i] = renewed[i].max(YOUNG.at(up));
+            past.renewed[i] = past.renewed[i].max(YOUNG.at(up));
         }
         if self.caldera_m > 0.0 {
             self.add_calderas(p, &mut own);
@@ -69,6 +76,12 @@ impl Shield {
         any_above_zero(&own).then_some(own)
     }
 
+    fn range(&self, _: f64) -> (f64, f64) {
+        (0.0, self.height_m)
+    }
+}
+
+impl Shield {
     /// Height of the flanks, 1 in the middle: `up` is 0 at the foot.
     #[inline(always)]
     fn flank(&self, up: f32) -> f32 {
@@ -94,9 +107,5 @@ impl Shield {
             let level = own[i] + (top.min(own[i]) - own[i]) * inside;
             own[i] = (level - self.caldera_depth_m as f32 * depth).max(0.0);
         }
-    }
-
-    pub(crate) fn range(&self) -> (f64, f64) {
-        (0.0, self.height_m)
     }
 }

@@ -10,10 +10,11 @@ mod profile;
 mod rays;
 mod sites;
 
+use super::layer::{Evaluate, Past};
 use super::noise::{mix, Lattice};
 use super::octaves::{any_above_zero, Ramp, Warp};
 use super::points::{Lane, Points, LANES};
-use crate::recipe;
+use crate::recipe::{self, Recipe, RecipeError};
 use profile::Shape;
 pub(super) use profile::{bowl, RIM};
 use sites::{Seen, Sites, Visitor, REACH};
@@ -146,26 +147,32 @@ impl Visitor for Digger<'_> {
     }
 }
 
-impl Craters {
-    pub(crate) fn new(seed: u64, recipe: &recipe::Craters, planet_m: f64) -> Self {
+impl Evaluate for Craters {
+    type Recipe = recipe::Craters;
+
+    fn new(seed: u64, recipe: &recipe::Craters, planet: &Recipe) -> Result<Self, RecipeError> {
         let (mut classes, mut diameter, mut density) = (Vec::new(), recipe.largest_m, recipe.density);
         while diameter >= recipe.smallest_m {
             let turn = classes.len();
-            classes.push(Class::new(mix(seed ^ mix(turn as u64)), turn, recipe, planet_m, diameter, density));
+            classes.push(Class::new(mix(seed ^ mix(turn as u64)), turn, recipe, planet.radius, diameter, density));
             diameter *= 0.5;
             density *= recipe.growth;
         }
-        let warp = Warp::new(mix(seed ^ 55), recipe.largest_m * 0.6, recipe.warp_m, 2).map(|w| w.along_sphere(planet_m));
-        Self { classes, warp, above: Ramp::new(recipe.above_m), recipe: recipe.clone() }
+        let warp = Warp::new(mix(seed ^ 55), recipe.largest_m * 0.6, recipe.warp_m, 2).map(|w| w.along_sphere(planet.radius));
+        Ok(Self { classes, warp, above: Ramp::new(recipe.above_m), recipe: recipe.clone() })
+    }
+
+    fn is_base(&self) -> bool {
+        self.recipe.basins
     }
 
     /// Where the ground is `renewed` only the youngest show.
     #[inline(always)]
-    pub(crate) fn metres(&self, p: &Points, base: &Lane, renewed: &Lane) -> Option<Lane> {
+    fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
         let below = self.recipe.below as f32;
-        let mut mask = self.above.lanes(base);
+        let mut mask = self.above.lanes(&past.base);
         for i in 0..LANES {
-            mask[i] = (below + (1.0 - below) * mask[i]) * (1.0 - RENEWED * renewed[i]);
+            mask[i] = (below + (1.0 - below) * mask[i]) * (1.0 - RENEWED * past.renewed[i]);
         }
         if !any_above_zero(&mask) {
             return None;
@@ -178,11 +185,14 @@ impl Craters {
         Some(own)
     }
 
-    /// Whether these craters belong to the base elevation.
-    pub(crate) fn basins(&self) -> bool {
-        self.recipe.basins
+    fn range(&self, _: f64) -> (f64, f64) {
+        let depth: f64 = self.classes.iter().map(|c| c.depth_m).sum();
+        let rolling: f64 = self.classes.iter().map(|c| f64::from(c.rolling_m)).sum();
+        (-1.3 * depth - rolling, 0.7 * depth + rolling)
     }
+}
 
+impl Craters {
     /// Adds the brightness of this layer's rays.
     #[inline(always)]
     pub(crate) fn add_rays(&self, p: &Points, bright: &mut Lane) {
@@ -194,12 +204,6 @@ impl Craters {
         for class in &self.classes {
             class.add_rays(p, self.recipe.rays as f32, bright);
         }
-    }
-
-    pub(crate) fn range(&self) -> (f64, f64) {
-        let depth: f64 = self.classes.iter().map(|c| c.depth_m).sum();
-        let rolling: f64 = self.classes.iter().map(|c| f64::from(c.rolling_m)).sum();
-        (-1.3 * depth - rolling, 0.7 * depth + rolling)
     }
 }
 

@@ -6,8 +6,9 @@
 mod cover;
 mod footprint;
 
-use crate::recipe;
-use crate::recipe::{HeightScale, Recipe, RecipeError};
+use super::layer::{Evaluate, Past};
+use super::points::{Lane, Points, WideLane, LANES};
+use crate::recipe::{self, HeightScale, Recipe, RecipeError};
 use cover::Cover;
 use footprint::{Footprint, Spot};
 use terrane_heightfield::import;
@@ -33,6 +34,8 @@ pub(crate) struct Heightmap {
     footprint: Footprint,
     /// Value and weight that the poles take on a map of the whole planet: means of the first and of the last row.
     poles: [(f64, f64); 2],
+    /// The planet's, in metres.
+    radius: f64,
 }
 
 /// From samples to metres: `low_m + span_m * sample / full`.
@@ -78,8 +81,10 @@ impl Scale {
     }
 }
 
-impl Heightmap {
-    pub(crate) fn new(recipe: &Recipe, map: &recipe::Heightmap) -> Result<Self, RecipeError> {
+impl Evaluate for Heightmap {
+    type Recipe = recipe::Heightmap;
+
+    fn new(_: u64, map: &recipe::Heightmap, recipe: &Recipe) -> Result<Self, RecipeError> {
         let fault = |found: String, expected: &str| recipe.heightmap_error(map, found, expected);
         let asset = recipe.assets.iter().find(|a| a.name == map.file);
         let asset = asset.ok_or_else(|| fault("no such asset".into(), "its bytes among the assets"))?;
@@ -96,16 +101,44 @@ impl Heightmap {
         Ok(map)
     }
 
+    fn is_base(&self) -> bool {
+        true
+    }
+
+    /// It adds nothing: it replaces what there is.
+    #[inline(always)]
+    fn metres(&self, _: &Points, _: &mut Past) -> Option<Lane> {
+        None
+    }
+
+    #[inline(always)]
+    fn compose(&self, p: &Points, past: &mut Past, height: Option<&mut WideLane>) {
+        let at = |i: usize| self.at([0, 1, 2].map(|k| p.place[k][i] / self.radius));
+        let found: [(f64, f64); LANES] = std::array::from_fn(at);
+        for (base, (metres, weight)) in past.base.iter_mut().zip(found) {
+            *base += ((metres - f64::from(*base)) * weight) as f32;
+        }
+        for (height, (metres, weight)) in height.into_iter().flatten().zip(found) {
+            *height += (metres - *height) * weight;
+        }
+    }
+
+    fn range(&self, _: f64) -> (f64, f64) {
+        self.scale.range()
+    }
+
+    fn bound(&self, (low, high): (f64, f64)) -> (f64, f64) {
+        let (own_low, own_high) = self.scale.range();
+        (low.min(own_low), high.max(own_high))
+    }
+}
+
+impl Heightmap {
     /// Height in metres and weight (0 to 1) at a unit direction.
     pub(crate) fn at(&self, d: [f64; 3]) -> (f64, f64) {
         let Some(spot) = self.footprint.locate(d) else { return (0.0, 0.0) };
         let (value, weight) = self.value(&spot);
         (self.scale.low_m + self.scale.span_m * value, weight)
-    }
-
-    /// Lowest and highest height in metres.
-    pub(crate) fn range(&self) -> (f64, f64) {
-        self.scale.range()
     }
 
     fn value(&self, spot: &Spot) -> (f64, f64) {
