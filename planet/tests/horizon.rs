@@ -95,6 +95,9 @@ fn neighbours_agree_where_they_meet() {
                 assert!((a - b).abs() < 2e-3, "level {level}, row {y}: {a} and {b}");
             }
         }
+        // The negative control: one row farther on, the horizons differ by more.
+        let apart = (1..row).map(|y| (a.horizon[y * row + own] - b.horizon[(y - 1) * row + its]).abs()).fold(0.0, f32::max);
+        assert!(apart > 2e-3, "level {level}: horizons of other rows agree too, within {apart}");
     }
 }
 

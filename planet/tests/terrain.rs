@@ -309,6 +309,8 @@ fn landmarks_are_the_same_in_any_slice() {
         for (d, h) in directions.iter().zip(heights(&terrain, &directions)).filter(|(_, h)| *h != 0.0) {
             assert_eq!(terrain.height(*d).to_bits(), h.to_bits(), "{layer} at {d}");
         }
+        let changed = heights(&terrain, &directions).iter().filter(|h| **h != 0.0).count();
+        assert!((100..20_000).contains(&changed), "{layer} changes {changed} of 30,000 places");
         let zeros = directions.iter().zip(heights(&terrain, &directions)).filter(|(_, h)| *h == 0.0);
         assert!(zeros.step_by(7).all(|(d, _)| terrain.height(*d) == 0.0), "{layer}");
     }
@@ -328,6 +330,7 @@ fn colours_about_the_poles_are_the_same_in_any_slice() {
             albedo
         };
         let whole = colours(&points);
+        assert!(whole.iter().any(|colour| *colour != whole[0]), "{name} has one colour");
         for (k, point) in points.iter().enumerate() {
             assert_eq!(colours(&[*point])[0], whole[k], "{name} at {}", point.direction);
         }

@@ -161,6 +161,9 @@ mod tests {
                 assert!((a - b).abs() < 0.05, "{a} and {b} at {x}");
             }
         }
+        let around = [(1e5, 0.0), (0.0, 1e5), (-1e5, 0.0), (0.0, -1e5)].map(|(x, y)| at(x, y, 3.3e6).unwrap());
+        let [low, high] = [f32::min, f32::max].map(|of| around.into_iter().reduce(of).unwrap());
+        assert!(high - low > 1.0, "no trough crosses the circle: {around:?}");
         assert!(at(3.4e6, 0.0, 0.0).is_none());
     }
 }

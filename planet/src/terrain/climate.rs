@@ -188,15 +188,17 @@ mod tests {
 
     #[test]
     fn climate_is_continuous_at_the_edges_of_faces() {
-        let climate = climate();
+        let (climate, mut rain) = (climate(), [1.0f64, 0.0]);
         for i in 0..400 {
             let along = f64::from(i) / 200.0 - 1.0;
             for edge in [DVec3::new(1.0, 1.0, along), DVec3::new(-1.0, along, 1.0), DVec3::new(along, 1.0, -1.0)] {
                 let step = DVec3::new(1e-7, -1e-7, 1e-7);
                 let (a, b) = (climate.at(edge + step), climate.at(edge - step));
                 assert!((a.rain - b.rain).abs() < 1e-4 && (a.mean_m - b.mean_m).abs() < 0.1, "{edge}: {a:?} {b:?}");
+                rain = [rain[0].min(a.rain.into()), rain[1].max(a.rain.into())];
             }
         }
+        assert!(rain[1] - rain[0] > 0.2, "rain is the same everywhere: {rain:?}");
     }
 
     #[test]

@@ -273,6 +273,7 @@ mod tests {
     fn wide_instructions_keep_the_albedo() {
         for name in ["terra", "luna", "mars"] {
             let terrain = terrain(name);
+            let mut distinct = std::collections::HashSet::new();
             for directions in chunks(terrain.radius) {
                 let ground = |&direction: &DVec3| GroundPoint {
                     direction,
@@ -287,7 +288,9 @@ mod tests {
                 narrower_albedo(&terrain, &points, &mut narrower);
                 terrain.chunk_albedo(&points, &mut portable);
                 assert_eq!((&widest, &narrower), (&portable, &portable), "{name} at {}", directions[0]);
+                distinct.extend(widest);
             }
+            assert!(distinct.len() > 100, "{name}: only {} different colours", distinct.len());
         }
     }
 }
