@@ -96,7 +96,8 @@ impl Evaluate for Heightmap {
         let cover = Cover::new(&image.field);
         let (columns, rows, mut field) = (image.field.columns(), image.field.rows(), image.field);
         field.fill_gaps();
-        let mut map = Self { columns, rows, samples: field.into_heights(), cover, scale, footprint, poles: [(0.0, 1.0); 2] };
+        let (poles, radius) = ([(0.0, 1.0); 2], recipe.radius);
+        let mut map = Self { columns, rows, samples: field.into_heights(), cover, scale, footprint, poles, radius };
         map.poles = [0, rows - 1].map(|row| map.row_mean(row));
         Ok(map)
     }
