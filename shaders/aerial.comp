@@ -17,7 +17,7 @@ void ray_of(float cosine, float c, out vec3 vertical, out vec3 ray) {
     ray = up * c + along * sine;
     if (is_outside()) {
         // Angles of the triangle of eye, centre and entry.
-        float at_eye = asin(clamp(sine * (bottom_radius() + thickness()) / (light.radius + light.altitude), 0.0, 1.0));
+        float at_eye = asin(clamp(sine * (bottom_radius() + thickness()) / (light.radius + light.height_m), 0.0, 1.0));
         float at_centre = acos(clamp(-c, -1.0, 1.0)) - at_eye;
         vertical = up * cos(at_centre) + along * sin(at_centre);
         ray = along * sin(at_eye) - up * cos(at_eye);

@@ -109,7 +109,7 @@ void main() {
     words[at++] = bits(shading.sun.x);
     words[at++] = bits(shading.sun.y);
     words[at++] = bits(shading.sun.z);
-    words[at++] = bits(shading.altitude);
+    words[at++] = bits(shading.height_m);
     words[at++] = bits(shading.right.x);
     words[at++] = bits(shading.right.y);
     words[at++] = bits(shading.right.z);

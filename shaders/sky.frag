@@ -30,7 +30,7 @@ vec3 sun_disc(vec3 ray) {
 // Its glare on the sky about it, without which the disc would be a hole punched into paper; as far as the planet does not hide it.
 vec3 sun_glare(vec3 ray) {
     vec3 chord = ray - light.sun;
-    float visible = sun_visibility(max(light.altitude - light.air_bottom, 0.0), dot(light.vertical, light.sun));
+    float visible = sun_visibility(max(light.height_m - light.air_bottom, 0.0), dot(light.vertical, light.sun));
     float away = dot(chord, chord) + SUN_RADIUS * SUN_RADIUS;
     return vec3(SUN * visible * GLARE / (away * sqrt(away)));
 }
@@ -51,7 +51,7 @@ vec4 cloud_light(vec3 ray, float t) {
     if (here <= 0.0) return vec4(0.0, 0.0, 0.0, 1.0);
     vec3 sun = sun_irradiance(light.cloud_height, elevation), sky = sky_irradiance(light.cloud_height, elevation);
     float depth = light.cloud_depth * here, level = max(elevation, 0.0), thrown_back = cloud_reflectance(depth / cosine);
-    if (light.altitude > light.cloud_height) {
+    if (light.height_m > light.cloud_height) {
         // Heaps are bright on the side of the sun.
         vec3 sunward = light.sun - up * elevation;
         float across = length(sunward), step_m = max(1.5 * footprint, 6000.0);

@@ -26,8 +26,8 @@ float bottom_radius() { return light.radius + light.air_bottom; }
 float thickness() { return light.air_top - light.air_bottom; }
 
 // The eye's height, or the air's upper edge where it is above.
-float eye_height() { return clamp(light.altitude - light.air_bottom, 0.0, thickness()); }
-bool is_outside() { return light.altitude > light.air_top; }
+float eye_height() { return clamp(light.height_m - light.air_bottom, 0.0, thickness()); }
+bool is_outside() { return light.height_m > light.air_top; }
 
 float rayleigh_phase(float c) { return 3.0 / (16.0 * PI) * (1.0 + c * c); }
 

@@ -67,7 +67,7 @@ float cloudiness_coarse(vec3 direction, float footprint) {
 // Where a view ray meets the sheet first; negative if it does not.
 float distance_to_clouds(vec3 ray) {
     vec2 hits = through_shell(ray, light.cloud_height);
-    float t = light.altitude > light.cloud_height ? hits.x : hits.y;
+    float t = light.height_m > light.cloud_height ? hits.x : hits.y;
     return hits.x < hits.y && t > 0.0 ? t : -1.0;
 }
 

@@ -59,7 +59,7 @@ struct Shading {
     vec3 camera;
     uint mode;
     vec3 sun;
-    float altitude;
+    float height_m;
     vec3 right;
     float radius;
     vec3 up;

@@ -12,15 +12,15 @@ const float PI = 3.14159265;
 bool has_air() { return light.scale_height > 0.0; }
 
 // Whether the camera is so far away that the squares of its distance and of the planet's radius cannot be compared.
-bool is_afar() { return light.altitude > light.radius; }
+bool is_afar() { return light.height_m > light.radius; }
 
 // Where a ray from the camera enters and leaves the ball of a radius `above` metres over the datum; x > y if it misses.
 vec2 through_shell(vec3 ray, float above) {
-    float r = light.radius + light.altitude;
+    float r = light.radius + light.height_m;
     float shell = light.radius + above;
     float b = dot(ray, light.vertical) * r;
     // r² - shell², without the cancellation.
-    float c = (light.altitude - above) * (r + shell);
+    float c = (light.height_m - above) * (r + shell);
     float discriminant = b * b - c;
     if (is_afar()) {
         // By how much the ray passes beside the centre.
@@ -36,7 +36,7 @@ vec2 through_shell(vec3 ray, float above) {
 
 // Distance to the sea along a view ray; negative if it does not meet the sea's surface from above.
 float distance_to_sea(vec3 ray) {
-    if (light.sea_level <= NO_SEA || light.altitude <= light.sea_level) return -1.0;
+    if (light.sea_level <= NO_SEA || light.height_m <= light.sea_level) return -1.0;
     vec2 hits = through_shell(ray, light.sea_level);
     return hits.x < hits.y && hits.y > 0.0 ? hits.x : -1.0;
 }

@@ -207,7 +207,7 @@ impl Flight {
 
     fn text(&mut self) -> String {
         let status = Status {
-            height: self.viewer.height(&DrawnSurface::of_scene(&self.scene)),
+            altitude_m: self.viewer.altitude(&DrawnSurface::of_scene(&self.scene)),
             counters: self.counters,
             patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
             awaited: self.scene.awaited(),

@@ -5,7 +5,7 @@ use super::surface::Surface;
 use glam::DVec3;
 
 /// Metres per second for each metre above the surface.
-const SPEED_PER_HEIGHT: f64 = 0.9;
+const SPEED_PER_ALTITUDE: f64 = 0.9;
 /// Slowest speed in metres per second, on foot.
 const LEAST_SPEED: f64 = 4.0;
 /// Factor while hurrying.
@@ -36,7 +36,7 @@ impl FlyCamera {
         let part = seconds / steps;
         for _ in 0..steps as u32 {
             self.pace += (wish - self.pace) * (1.0 - (-RESPONSE * part).exp());
-            let speed = (pose.height(surface) * SPEED_PER_HEIGHT).max(LEAST_SPEED);
+            let speed = (pose.altitude(surface) * SPEED_PER_ALTITUDE).max(LEAST_SPEED);
             let (sine, cosine) = pose.pitch.sin_cos();
             let (up, ahead) = (pose.up(), pose.ahead);
             let forward = ahead * cosine + up * sine;
@@ -74,9 +74,9 @@ mod tests {
         let mut camera = FlyCamera::default();
         for _ in 0..100 {
             camera.step(&mut viewer, DVec3::Z, true, 0.2, &Ball);
-            assert!(viewer.height(&Ball) >= CLEARANCE_M - 1e-6);
+            assert!(viewer.altitude(&Ball) >= CLEARANCE_M - 1e-6);
         }
-        assert!((viewer.height(&Ball) - CLEARANCE_M).abs() < 1e-6);
+        assert!((viewer.altitude(&Ball) - CLEARANCE_M).abs() < 1e-6);
     }
 
     #[test]

@@ -5,7 +5,7 @@ use super::pose::{meet_sphere, Lens, Pose};
 use super::surface::Surface;
 use glam::DVec3;
 
-/// How much of the way down or up one notch of the wheel goes, as a logarithm of height.
+/// How much of the way down or up one notch of the wheel goes, as a logarithm of altitude.
 const ZOOM_PER_NOTCH: f64 = 0.2;
 /// Share of an outstanding zoom that is done each second, as a rate.
 const ZOOM_RATE: f64 = 12.0;
@@ -16,15 +16,15 @@ const HIGHEST: f64 = 40.0;
 /// Pitch in degrees that a zoom tends to: near the ground, and from space.
 const PITCH: [f64; 2] = [-14.0, -90.0];
 /// Heights between which the pitch changes from one to the other: metres, and planet radii.
-const TILT_HEIGHTS: (f64, f64) = (150.0, 0.4);
-/// How fast a zoom draws the pitch to where it tends: a rate over the logarithm of height.
+const TILT_ALTITUDES: (f64, f64) = (150.0, 0.4);
+/// How fast a zoom draws the pitch to where it tends: a rate over the logarithm of altitude.
 const TILT_RATE: f64 = 0.6;
 
 /// State of the orbit camera.
 #[derive(Default)]
 pub(super) struct OrbitCamera {
     grip: Option<Grip>,
-    /// Outstanding zoom, as a logarithm of height.
+    /// Outstanding zoom, as a logarithm of altitude.
     zoom: f64,
 }
 
@@ -69,12 +69,12 @@ impl OrbitCamera {
         self.zoom -= part;
         let grip = Grip::at(pose, lens, pixel, surface);
         let radius = surface.radius(pose.up());
-        let old = pose.height(surface);
+        let old = pose.altitude(surface);
         let new = (old * part.exp()).min(HIGHEST * radius);
-        pose.set_height(new, surface);
-        let change = (pose.height(surface) / old).ln();
+        pose.set_altitude(new, surface);
+        let change = (pose.altitude(surface) / old).ln();
         let before = resting_pitch(old, radius);
-        let after = resting_pitch(pose.height(surface), radius);
+        let after = resting_pitch(pose.altitude(surface), radius);
         let towards = 1.0 - (-TILT_RATE * change.abs()).exp();
         let tilted = pose.pitch + after - before;
         pose.turn(0.0, tilted + (after - tilted) * towards - pose.pitch);
@@ -107,10 +107,10 @@ impl Grip {
     }
 }
 
-/// The pitch in radians that suits a height above a planet of `radius`, in metres.
-fn resting_pitch(height: f64, radius: f64) -> f64 {
-    let (low, high) = (TILT_HEIGHTS.0.ln(), (TILT_HEIGHTS.1 * radius).ln());
-    let t = ((height.max(1.0).ln() - low) / (high - low)).clamp(0.0, 1.0);
+/// The pitch in radians that suits an altitude over a planet of `radius`, in metres.
+fn resting_pitch(altitude_m: f64, radius: f64) -> f64 {
+    let (low, high) = (TILT_ALTITUDES.0.ln(), (TILT_ALTITUDES.1 * radius).ln());
+    let t = ((altitude_m.max(1.0).ln() - low) / (high - low)).clamp(0.0, 1.0);
     let smooth = t * t * (3.0 - 2.0 * t);
     (PITCH[0] + (PITCH[1] - PITCH[0]) * smooth).to_radians()
 }
@@ -123,15 +123,15 @@ mod tests {
 
     #[test]
     fn dragged_ground_stays_under_the_cursor() {
-        for (height, pitch) in [(2e7, -90.0), (3e5, -50.0), (500.0, -30.0)] {
-            let mut viewer = pose(height, 30.0, pitch);
+        for (altitude_m, pitch) in [(2e7, -90.0), (3e5, -50.0), (500.0, -30.0)] {
+            let mut viewer = pose(altitude_m, 30.0, pitch);
             let mut camera = OrbitCamera::default();
             camera.press(&viewer, &LENS, [300.0, 350.0], &Ball);
             let held = camera.grip.unwrap().direction;
             camera.drag(&mut viewer, &LENS, [420.0, 400.0], &Ball);
             let seen = meet_sphere(viewer.position, viewer.ray(&LENS, [420.0, 400.0]), RADIUS).unwrap();
-            assert!(held.distance(seen) * RADIUS < 1e-6 * height, "{height}: {}", held.distance(seen) * RADIUS);
-            assert!((viewer.height(&Ball) - height).abs() < 1e-6 * height);
+            assert!(held.distance(seen) * RADIUS < 1e-6 * altitude_m, "{altitude_m}: {}", held.distance(seen) * RADIUS);
+            assert!((viewer.altitude(&Ball) - altitude_m).abs() < 1e-6 * altitude_m);
         }
     }
 
@@ -145,8 +145,8 @@ mod tests {
             viewer
         };
         let (fast, slow) = (zoomed(240), zoomed(15));
-        assert!((fast.height(&Ball) / slow.height(&Ball) - 1.0).abs() < 1e-6);
-        assert!((fast.height(&Ball) / (1e6 * (-2.0f64).exp()) - 1.0).abs() < 1e-3);
+        assert!((fast.altitude(&Ball) / slow.altitude(&Ball) - 1.0).abs() < 1e-6);
+        assert!((fast.altitude(&Ball) / (1e6 * (-2.0f64).exp()) - 1.0).abs() < 1e-3);
         assert!((fast.pitch - slow.pitch).abs() < 0.02);
     }
 
@@ -156,7 +156,7 @@ mod tests {
         let mut camera = OrbitCamera::default();
         camera.wheel(300.0);
         (0..600).for_each(|_| camera.step(&mut viewer, &LENS, [410.0, 290.0], 0.05, &Ball));
-        assert!((viewer.height(&Ball) - CLEARANCE_M).abs() < 1e-6, "{}", viewer.height(&Ball));
+        assert!((viewer.altitude(&Ball) - CLEARANCE_M).abs() < 1e-6, "{}", viewer.altitude(&Ball));
         assert!((-20.0..-10.0).contains(&viewer.pitch.to_degrees()), "{}", viewer.pitch.to_degrees());
     }
 }

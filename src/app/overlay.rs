@@ -23,7 +23,7 @@ pub(super) struct Overlay {
 /// What the overlay reports.
 pub(super) struct Status<'a> {
     /// Metres above ground or sea.
-    pub(super) height: f64,
+    pub(super) altitude_m: f64,
     /// Counters of a frame that is done.
     pub(super) counters: EmitState,
     /// Patches drawn.
@@ -64,7 +64,7 @@ impl Overlay {
         let rate = if rate < 9.95 { format!("{rate:.1}") } else { format!("{rate:.0}") };
         let mut text = format!(
             "{}  {rate} fps  {} triangles  {} awake vertices  {} patches, {} to come\nGPU {} for patches, {} MB in all  host {}  {}\n",
-            distance(status.height),
+            distance(status.altitude_m),
             count(status.counters.wanted),
             count(status.counters.awake),
             status.patches,

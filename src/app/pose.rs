@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_PI_2;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::planet::CLEARANCE_M;
 
-/// Metres by which a height that was set may come back lower.
+/// Metres by which an altitude that was set may come back lower.
 const ROUNDING: f64 = 1e-6;
 
 /// A level viewer.
@@ -61,7 +61,7 @@ impl Pose {
     }
 
     /// Metres above the surface.
-    pub(super) fn height(&self, surface: &dyn Surface) -> f64 {
+    pub(super) fn altitude(&self, surface: &dyn Surface) -> f64 {
         self.position.length() - surface.radius(self.up())
     }
 
@@ -89,17 +89,17 @@ impl Pose {
         *self = self.levelled();
     }
 
-    /// Moves straight up or down to a height above the surface, no lower than [`CLEARANCE_M`].
-    pub(super) fn set_height(&mut self, height: f64, surface: &dyn Surface) {
+    /// Moves straight up or down to an altitude in metres above the surface, no lower than [`CLEARANCE_M`].
+    pub(super) fn set_altitude(&mut self, altitude_m: f64, surface: &dyn Surface) {
         let up = self.up();
-        self.position = up * (surface.radius(up) + height.max(CLEARANCE_M));
+        self.position = up * (surface.radius(up) + altitude_m.max(CLEARANCE_M));
     }
 
     /// Lifts the viewer out of the ground. Returns whether that was needed.
     pub(super) fn keep_above(&mut self, surface: &dyn Surface) -> bool {
-        let below = self.height(surface) < CLEARANCE_M - ROUNDING;
+        let below = self.altitude(surface) < CLEARANCE_M - ROUNDING;
         if below {
-            self.set_height(CLEARANCE_M, surface);
+            self.set_altitude(CLEARANCE_M, surface);
         }
         below
     }
@@ -152,8 +152,8 @@ pub(super) mod tests {
         }
     }
 
-    pub(crate) fn pose(height: f64, heading: f64, pitch: f64) -> Pose {
-        let position = DVec3::new(0.6, 0.48, 0.64) * (RADIUS + height);
+    pub(crate) fn pose(altitude_m: f64, heading: f64, pitch: f64) -> Pose {
+        let position = DVec3::new(0.6, 0.48, 0.64) * (RADIUS + altitude_m);
         Pose::of_camera(&Camera::looking(position, heading, pitch, LENS.fov, LENS.size))
     }
 

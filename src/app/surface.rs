@@ -133,7 +133,7 @@ mod tests {
         let (mut risen, mut nearest, start) = (0.0f64, f64::MAX, pose.position.length());
         for _ in 0..400 {
             camera.step(&mut pose, DVec3::Z, true, 0.03, &surface);
-            assert!(pose.height(&surface) >= CLEARANCE_M - 1e-6, "{} m", pose.height(&surface));
+            assert!(pose.altitude(&surface) >= CLEARANCE_M - 1e-6, "{} m", pose.altitude(&surface));
             nearest = nearest.min(clearance(&ground.known, pose.position));
             risen = risen.max(pose.position.length() - start);
             if pose.position.dot(towards) > top.dot(towards) * planet.recipe.radius {

@@ -114,7 +114,7 @@ impl Viewer {
     }
 
     /// Metres above ground or sea.
-    pub(super) fn height(&self, surface: &dyn Surface) -> f64 {
-        self.pose.height(surface)
+    pub(super) fn altitude(&self, surface: &dyn Surface) -> f64 {
+        self.pose.altitude(surface)
     }
 }

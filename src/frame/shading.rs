@@ -57,7 +57,7 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
         camera: vector(if camera.position.length() < 1.0 { local_frame(camera.position).z_axis } else { camera.position }),
         mode: look.mode as u32,
         sun: vector(look.sun),
-        altitude: (camera.position.length() - recipe.radius) as f32,
+        height_m: (camera.position.length() - recipe.radius) as f32,
         right: vector(camera.right() * h),
         radius: recipe.radius as f32,
         up: vector(camera.up * v),
@@ -106,7 +106,7 @@ fn add_air(shading: &mut Shading, air: &Atmosphere, lowest: f64) {
     shading.air_top = (AIR_SCALE_HEIGHTS * air.scale_height_m.max(air.mie_scale_height_m)).max(ozone_top) as f32;
     shading.ground_albedo = air.ground_albedo as f32;
     let (bottom, top) = (f64::from(shading.air_bottom), f64::from(shading.air_top));
-    let eye = f64::from(shading.altitude).clamp(bottom, top) - bottom;
+    let eye = f64::from(shading.height_m).clamp(bottom, top) - bottom;
     let lowest = f64::from(shading.radius) + bottom;
     shading.horizon = -((eye * (2.0 * lowest + eye)).sqrt() / (lowest + eye)).asin() as f32;
 }

@@ -62,18 +62,18 @@ impl Orientation {
     }
 }
 
-/// The largest sine of the angle at the planet's centre between the eye and a point in sight, `altitude` planet radii below the
+/// The largest sine of the angle at the planet's centre between the eye and a point in sight, `height` planet radii below the
 /// eye, whose direction leans from the eye's vertical by a tangent of at most `steepest`.
-fn largest_lean(altitude: f64, steepest: f64) -> f64 {
-    if altitude <= 0.0 {
+fn largest_lean(height: f64, steepest: f64) -> f64 {
+    if height <= 0.0 {
         return 0.0;
     }
-    // With T = tan(θ / 2), a line of tangent t from the eye meets the sphere where (2 t + q) T² − 2 T + q = 0, q = t · altitude.
-    let q = steepest * altitude;
+    // With T = tan(θ / 2), a line of tangent t from the eye meets the sphere where (2 t + q) T² − 2 T + q = 0, q = t · height.
+    let q = steepest * height;
     let discriminant = 1.0 - q * (2.0 * steepest + q);
     if discriminant <= 0.0 {
         // It passes the sphere: the horizon leans most.
-        let cosine = 1.0 / (1.0 + altitude);
+        let cosine = 1.0 / (1.0 + height);
         return (1.0 - cosine * cosine).sqrt();
     }
     let half = (1.0 - discriminant.sqrt()) / (2.0 * steepest + q);
@@ -103,10 +103,10 @@ mod tests {
 
         #[test]
         fn errors_in_sight_subtend_no_more_than_the_distance_allows(
-            altitude in 1.0..16.5f64, hill in 0.0..8000.0f64, slope in 1.05..4.0f64,
+            log_height in 1.0..16.5f64, hill in 0.0..8000.0f64, slope in 1.05..4.0f64,
             ahead in 0.0..1.0f64, turn in 0.0..1.0f64,
         ) {
-            let eye = DVec3::X * (RADIUS + altitude.exp());
+            let eye = DVec3::X * (RADIUS + log_height.exp());
             let Some(term) = Orientation::new(eye, RADIUS, slope) else { return Ok(()) };
             // Towards the horizon of the lowest ground, most of the points near the eye.
             let horizon = (RADIUS / eye.x).acos();
@@ -120,9 +120,9 @@ mod tests {
 
         #[test]
         fn the_distance_is_as_steep_as_it_says(
-            altitude in 1.0..16.5f64, slope in 1.05..4.0f64, at in unit_pair(), to in unit_pair(), far in 0.0..17.0f64, step in 0.0..16.0f64,
+            log_height in 1.0..16.5f64, slope in 1.05..4.0f64, at in unit_pair(), to in unit_pair(), far in 0.0..17.0f64, step in 0.0..16.0f64,
         ) {
-            let eye = direction((0.3, 0.7)) * (RADIUS + altitude.exp());
+            let eye = direction((0.3, 0.7)) * (RADIUS + log_height.exp());
             let Some(term) = Orientation::new(eye, RADIUS, slope) else { return Ok(()) };
             prop_assert!(term.slope() <= slope * (1.0 + 1e-12), "{term:?}");
             let (a, way) = (direction(at) * far.exp(), direction(to) * step.exp());
@@ -162,7 +162,7 @@ mod tests {
 
     #[test]
     fn the_term_counts_near_the_ground_and_vanishes_from_afar() {
-        let at = |altitude: f64| Orientation::new(DVec3::Z * (RADIUS + altitude), RADIUS, 2.3);
+        let at = |height_m: f64| Orientation::new(DVec3::Z * (RADIUS + height_m), RADIUS, 2.3);
         let near = at(100.0).unwrap();
         assert!((near.distance(DVec3::NEG_Z * 100.0) / 100.0 - 2.0 * 1.3f64.sqrt()).abs() < 0.02, "{near:?}");
         assert!(at(1e5).unwrap().height < near.height && at(2e7).is_none());

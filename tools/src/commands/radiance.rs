@@ -57,6 +57,7 @@ fn attributes(still: &Still, taken: &Taken) -> LayerAttributes {
         )),
         latitude: Some(latitude as f32),
         longitude: Some(longitude as f32),
+        // The format's word for a height above the datum.
         altitude: Some((camera.position.length() - taken.radius) as f32),
         ..LayerAttributes::default()
     };

@@ -21,8 +21,8 @@ const LARGEST_SIDE: u32 = 16_384;
 /// Latitude and longitude of the camera unless told otherwise.
 const DEFAULT_PLACE: [f64; 2] = [20.0, 0.0];
 
-/// Its altitude then, in planet radii: the planet fills most of the picture.
-const DEFAULT_ALTITUDE: f64 = 1.9;
+/// Its altitude then, in planet radii above ground or sea: the planet fills most of the picture.
+const DEFAULT_ALTITUDE_RADII: f64 = 1.9;
 
 /// Where the sun stands over the place in view unless told otherwise: azimuth and elevation in degrees.
 const DEFAULT_SUN: [f64; 2] = [135.0, 35.0];
@@ -113,15 +113,16 @@ impl CameraOptions {
     /// The camera over a planet.
     pub(crate) fn camera(&self, planet: &Planet) -> anyhow::Result<Camera> {
         let [latitude, longitude] = DEFAULT_PLACE;
-        let [latitude, longitude, altitude] = self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE * planet.recipe.radius]);
+        let [latitude, longitude, altitude_m] =
+            self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE_RADII * planet.recipe.radius]);
         ensure!((-90.0..=90.0).contains(&latitude), "--at: latitude {latitude} is not within -90 and 90 degrees");
         ensure!((-360.0..=360.0).contains(&longitude), "--at: longitude {longitude} is not within -360 and 360 degrees");
         ensure!((1.0..=20.0).contains(&(self.fov / 7.0)), "--fov: {} is not within 7 and 140 degrees", self.fov);
         check_tolerance(self.error)?;
-        ensure!((0.5..=1e9).contains(&altitude), "--at: altitude {altitude} is not within 0.5 and 1e9 metres");
-        let [heading, pitch] = self.look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude, self.fov)]);
+        ensure!((0.5..=1e9).contains(&altitude_m), "--at: altitude {altitude_m} is not within 0.5 and 1e9 metres");
+        let [heading, pitch] = self.look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude_m, self.fov)]);
         ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
-        let stand = Keyframe { time_s: 0.0, latitude, longitude, altitude_m: altitude, heading, pitch, fov: self.fov };
+        let stand = Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading, pitch, fov: self.fov };
         Ok(planet.camera_at(&stand, self.size))
     }
 }
@@ -134,8 +135,8 @@ pub(crate) fn check_tolerance(error: f64) -> anyhow::Result<()> {
 }
 
 /// Pitch that puts the horizon into the upper third of the picture; straight down where the whole planet fits into it.
-fn default_pitch(radius: f64, altitude: f64, fov: f64) -> f64 {
-    let dip = (radius / (radius + altitude)).acos().to_degrees();
+fn default_pitch(radius: f64, altitude_m: f64, fov: f64) -> f64 {
+    let dip = (radius / (radius + altitude_m)).acos().to_degrees();
     let angular_radius = 90.0 - dip;
     if angular_radius < fov * 0.75 {
         -90.0

@@ -39,7 +39,7 @@ fn site() -> DVec3 {
 fn cameras(setting: &Setting) -> Vec<Camera> {
     let radius = setting.tree.lattice.radius * setting.tree.lattice.unit;
     let looks = [(2.0, -90.0), (0.1, -40.0), (0.04, -10.0)];
-    looks.map(|(altitude, pitch)| Camera::looking(site() * radius * (1.0 + altitude), 20.0, pitch, 0.9, [640, 360])).into()
+    looks.map(|(radii, pitch)| Camera::looking(site() * radius * (1.0 + radii), 20.0, pitch, 0.9, [640, 360])).into()
 }
 
 struct Scene {

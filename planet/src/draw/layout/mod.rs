@@ -141,7 +141,7 @@ gpu_structs! {
         /// Towards the sun.
         sun: [f32; 3],
         /// Camera's height above the datum, with more precision than `camera` holds.
-        altitude: f32,
+        height_m: f32,
         /// Right, in units of tan(half the horizontal field of view).
         right: [f32; 3],
         /// Planet radius (datum).
