@@ -12,7 +12,7 @@ fail() {
 # What no package holds: build results, documentation, pictures, films, tests and their data, fuzz targets.
 foreign='(^|/)(target|docs|fuzz|tests/(data|pictures)|proptest-regressions)/|\.(planet|png|jpg|jpeg|svg|exr|mp4|webm|profraw|profdata)$'
 
-# package, and the files that it must hold beside those that all must hold.
+# A package, and the files that it must hold beside those of all packages.
 while read -r package needed; do
     files=$(cargo package --list --allow-dirty --package "$package" 2>/dev/null) || { fail "$package" "cargo package --list failed"; continue; }
     for file in Cargo.toml README.md LICENSE-MIT LICENSE-APACHE $needed; do
@@ -22,9 +22,9 @@ while read -r package needed; do
         fail "$package" "$file does not belong there"
     done < <(grep -E -- "$foreign" <<<"$files")
 done <<PACKAGES
-terrane-heightfield $(cd planet/heightfield && echo $(git ls-files src))
-terrane-planet $(cd planet && echo $(git ls-files src recipes))
-terrane build.rs $(echo $(git ls-files src shaders))
-terrane-tools build.rs $(cd tools && echo $(git ls-files src paths gallery.toml))
+terrane-heightfield $(cd planet/heightfield && git ls-files src | xargs)
+terrane-planet $(cd planet && git ls-files src recipes | xargs)
+terrane build.rs $(git ls-files src shaders | xargs)
+terrane-tools build.rs $(cd tools && git ls-files src paths gallery.toml | xargs)
 PACKAGES
 exit "$status"
