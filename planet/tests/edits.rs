@@ -295,7 +295,7 @@ fn edits_keep_the_lattice_and_the_height_range() {
         let range = planet.terrain.height_range();
         assert!((height - plain.terrain.height(DVec3::Y) - share * room).abs() < 1e-6 && range.0 <= height && height <= range.1);
         let mesh = planet.build(PatchId::containing(DVec3::Y, 6)).0;
-        assert!(f64::from(mesh.heights[0]) + planet.lattice.radius > planet.ground_radius());
+        assert!(f64::from(mesh.facts.heights[0]) + planet.lattice.radius > planet.ground_radius());
     }
     assert!(matches!(with(Shape::Raise { by_m: 1.01 * room }), Err(PlanetError::EditTooHigh { number: 1, .. })));
 }

@@ -8,7 +8,7 @@ use std::convert::Infallible;
 use std::path::Path;
 use terrane_planet::draw::cut::{cut, is_visible};
 use terrane_planet::draw::loaded_patch::LoadedPatch;
-use terrane_planet::draw::tree::{PatchFacts, PatchTree};
+use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::export::{origin_near, view_surface, ExportError, Format, Placed, Welded};
 use terrane_planet::globe::patch::PatchId;
@@ -35,7 +35,7 @@ impl Tiny {
         let region = Region { direction: direction_at(20.0, 30.0), radius_m: 0.0, to_level: 4 };
         let plan = BakePlan::new(planet.recipe.radius, 1, Some(region)).unwrap();
         let meshes: HashMap<_, _> = plan.patches.iter().map(|&id| (id, planet.build(id).0)).collect();
-        let facts = meshes.values().map(PatchFacts::from);
+        let facts = meshes.values().map(|m| (m.id, m.facts));
         let tree = planet.tree(facts);
         Tiny { planet, tree, meshes }
     }

@@ -31,7 +31,7 @@ use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
 use terrane_planet::draw::cut::{cut, Cut};
-use terrane_planet::draw::tree::{PatchFacts, PatchTree};
+use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
 use terrane_planet::globe::patch::PatchId;
@@ -115,7 +115,7 @@ impl Scene {
         if missing > 0 && options.on_demand.is_none() {
             return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
         }
-        let mut tree = planet.tree(records.iter().map(PatchFacts::from));
+        let mut tree = planet.tree(records.iter().map(|r| (r.id, r.facts)));
         let mut most_patches = u32::try_from(records.len()).unwrap_or(u32::MAX);
         let mut keeper = None;
         if let Some(on_demand) = &options.on_demand {
@@ -380,7 +380,7 @@ impl Scene {
         if self.resident.contains_key(&id) {
             return Ok(());
         }
-        self.tree.insert(PatchFacts::from(&loaded.patch.mesh));
+        self.tree.insert(loaded.patch.mesh.id, &loaded.patch.mesh.facts);
         if self.resident.len() >= self.capacity && !self.evict() {
             self.full_at = Some(self.frame);
             return Ok(());

@@ -3,40 +3,10 @@
 use crate::globe::lattice::{Lattice, LatticeBox};
 use crate::globe::patch::{PatchId, MAX_LEVEL};
 use crate::mesh::certificate::{DEVIATION_BELOW, DEVIATION_SHARE, KAPPA};
-use crate::mesh::progressive::PatchMesh;
+use crate::mesh::progressive::PatchFacts;
 use crate::mesh::wake::MORPH_REACH;
-use crate::store::PatchRecord;
 use glam::DVec3;
 use std::collections::HashMap;
-
-/// Facts of one stored patch, see [`crate::mesh::progressive::PatchMesh`].
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct PatchFacts {
-    /// Which patch.
-    pub id: PatchId,
-    /// Box around its vertices.
-    pub bounds: LatticeBox,
-    /// Lowest and highest vertex in lattice units above the datum.
-    pub heights: [i32; 2],
-    /// Radial distance of the next level's samples from its grid, lattice units.
-    pub deviation: f64,
-    /// Largest wake that a vertex of its children has on its sides where it has none itself, lattice units.
-    pub child_wake: f64,
-}
-
-impl From<&PatchMesh> for PatchFacts {
-    fn from(mesh: &PatchMesh) -> PatchFacts {
-        let PatchMesh { id, bounds, heights, deviation, child_wake, .. } = *mesh;
-        PatchFacts { id, bounds, heights, deviation, child_wake }
-    }
-}
-
-impl From<&PatchRecord> for PatchFacts {
-    fn from(record: &PatchRecord) -> PatchFacts {
-        let PatchRecord { id, bounds, heights, deviation, child_wake, .. } = *record;
-        PatchFacts { id, bounds, heights, deviation, child_wake }
-    }
-}
 
 /// A known patch within its quadtree: what follows from its own facts alone, whatever is known below it.
 #[derive(Clone, Copy, Debug)]
@@ -48,7 +18,7 @@ pub struct PatchNode {
     /// A viewer nearer to `bounds` than this times the view's scale needs the children, seen or not: vertices that only they have are
     /// awake on the patch's sides, where seen patches may lie.
     pub closure_wake: f64,
-    /// A viewer nearer than this needs them if the patch is seen: they deviate from its grid by more than their share of the tolerance.
+    /// A viewer nearer than this times the view's scale needs them if the patch is seen: they deviate from its grid by more than their share of the tolerance.
     pub detail_wake: f64,
     /// Direction of its middle.
     pub centre: DVec3,
@@ -56,10 +26,10 @@ pub struct PatchNode {
     pub spread: f64,
 }
 
-impl From<PatchFacts> for PatchNode {
-    fn from(own: PatchFacts) -> PatchNode {
-        let centre = own.id.centre();
-        let corner = |a: i32, b: i32| crate::globe::sphere::direction(own.id.point(a, b, 1)).dot(centre);
+impl PatchNode {
+    fn new(id: PatchId, own: &PatchFacts) -> PatchNode {
+        let centre = id.centre();
+        let corner = |a: i32, b: i32| crate::globe::sphere::direction(id.point(a, b, 1)).dot(centre);
         let margin = (DEVIATION_BELOW * own.deviation).ceil() as i32;
         PatchNode {
             bounds: own.bounds.widened(margin),
@@ -88,11 +58,11 @@ pub struct PatchTree {
 impl PatchTree {
     /// The tree of stored patches. `lowest` is a height in lattice units above the datum that no ground, or else the sea, is below:
     /// it follows from the planet alone, or what is culled would depend on which patches are known.
-    pub fn new(lattice: Lattice, cells: u32, lowest: f64, facts: impl IntoIterator<Item = PatchFacts>) -> PatchTree {
+    pub fn new(lattice: Lattice, cells: u32, lowest: f64, facts: impl IntoIterator<Item = (PatchId, PatchFacts)>) -> PatchTree {
         // Rounding to the lattice, and straight edges between samples on the sea's own sphere.
         let hidden_radius = lattice.radius + lowest - 2.0;
         let mut tree = PatchTree { nodes: HashMap::new(), finest_built: None, lattice, cells, hidden_radius };
-        facts.into_iter().for_each(|own| tree.insert(own));
+        facts.into_iter().for_each(|(id, own)| tree.insert(id, &own));
         tree
     }
 
@@ -103,8 +73,8 @@ impl PatchTree {
     }
 
     /// Adds a patch.
-    pub fn insert(&mut self, own: PatchFacts) {
-        self.nodes.insert(own.id, own.into());
+    pub fn insert(&mut self, id: PatchId, facts: &PatchFacts) {
+        self.nodes.insert(id, PatchNode::new(id, facts));
     }
 
     /// Forgets a patch that can be built again.

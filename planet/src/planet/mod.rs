@@ -13,7 +13,7 @@ use crate::ground::texture::PatchTexture;
 use crate::ground::{Elevation, Ground, GroundColour, GroundPoint};
 use crate::mesh::build_patch;
 use crate::mesh::builder::Faults;
-use crate::mesh::progressive::PatchMesh;
+use crate::mesh::progressive::{PatchFacts, PatchMesh};
 use crate::recipe::{Edit, Recipe, RecipeError};
 use crate::store::PlanetHeader;
 use crate::terrain::Terrain;
@@ -151,7 +151,7 @@ impl Planet {
     }
 
     /// What is known of this planet's patches.
-    pub fn tree(&self, facts: impl IntoIterator<Item = PatchFacts>) -> PatchTree {
+    pub fn tree(&self, facts: impl IntoIterator<Item = (PatchId, PatchFacts)>) -> PatchTree {
         let lowest = self.recipe.sea.as_ref().map_or(f64::MIN, |sea| sea.level_m).max(self.terrain.height_range().0);
         PatchTree::new(self.lattice, self.cells, lowest / self.lattice.unit, facts)
     }

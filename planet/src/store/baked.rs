@@ -2,24 +2,17 @@
 
 use super::error::RecordError;
 use super::{geometry, imagery};
-use crate::globe::lattice::LatticeBox;
 use crate::globe::patch::PatchId;
 use crate::ground::texture::PatchTexture;
-use crate::mesh::progressive::PatchMesh;
+use crate::mesh::progressive::{PatchFacts, PatchMesh};
 
 /// What is known of a stored patch without reading it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PatchRecord {
     /// Which patch.
     pub id: PatchId,
-    /// Box around all vertices.
-    pub bounds: LatticeBox,
-    /// Lowest and highest vertex, lattice units above the datum.
-    pub heights: [i32; 2],
-    /// Largest radial distance in lattice units of the next level's samples from this patch's full grid.
-    pub deviation: f64,
-    /// Largest wake that a vertex of its children has on its sides where it has none itself, lattice units.
-    pub child_wake: f64,
+    /// What its mesh says of itself.
+    pub facts: PatchFacts,
     /// Number of vertices that never collapse.
     pub always_awake: u32,
     /// Size of the geometry record.
@@ -49,10 +42,7 @@ impl BakedPatch {
         let texture = imagery::encode(texture, mesh.id, mesh.cells)?;
         let record = PatchRecord {
             id: mesh.id,
-            bounds: mesh.bounds,
-            heights: mesh.heights,
-            deviation: mesh.deviation,
-            child_wake: mesh.child_wake,
+            facts: mesh.facts,
             always_awake: mesh.always_awake() as u32,
             geometry_bytes: geometry.len() as u32,
             texture_bytes: texture.len() as u32,

@@ -5,13 +5,13 @@
 //! patch's border only; what the smaller one lacks is a stream of nearly all zeros.
 
 use super::error::RecordError;
+use super::facts;
 use super::predict::{mean, merge_plane, midpoint_order, plane, unzigzag, zigzag};
 use super::record::{RecordReader, RecordWriter};
-use crate::globe::lattice::{LatticeBox, EXTENT};
+use crate::globe::lattice::EXTENT;
 use crate::globe::patch::{PatchId, MAX_CELLS, MIN_CELLS};
 use crate::mesh::progressive::{PatchMesh, Vertex};
 use crate::mesh::wake::Wake;
-use glam::IVec3;
 
 /// First bytes of a geometry record.
 pub const MAGIC: [u8; 4] = *b"TRPG";
@@ -25,9 +25,6 @@ const STREAMS: [(&str, u32); 6] = [
     ("coarser wake deficits", 2),
     ("heights", 4),
 ];
-
-/// Bytes before the streams: box 24, heights 8, deviation 8, odd wake 8.
-const MEASURES: usize = 48;
 
 /// Whether patches of so many cells a side exist.
 pub(super) fn cells_are_valid(cells: u32) -> bool {
@@ -52,15 +49,10 @@ fn streams(mesh: &PatchMesh) -> [Vec<u32>; STREAMS.len()] {
     ]
 }
 
-/// The record of a mesh's measures and of the numbers of its streams.
+/// The record of a mesh's facts and of the numbers of its streams.
 fn write(mesh: &PatchMesh, numbers: &[Vec<u32>; STREAMS.len()]) -> Vec<u8> {
     let mut record = RecordWriter::new(MAGIC, mesh.id, mesh.cells);
-    let [low, high] = [mesh.bounds.low, mesh.bounds.high];
-    for number in [low.x, low.y, low.z, high.x, high.y, high.z, mesh.heights[0], mesh.heights[1]] {
-        record.plain(&number.to_le_bytes());
-    }
-    record.plain(&mesh.deviation.to_le_bytes());
-    record.plain(&mesh.child_wake.to_le_bytes());
+    record.plain(&facts::bytes(&mesh.facts));
     for ((_, planes), numbers) in STREAMS.into_iter().zip(numbers) {
         (0..planes).for_each(|p| record.stream(&plane(numbers, p)));
     }
@@ -74,14 +66,11 @@ pub fn decode(bytes: &[u8], id: PatchId, cells: u32) -> Result<PatchMesh, Record
     }
     let count = ((cells + 1) * (cells + 1)) as usize;
     let mut record = RecordReader::open(bytes, MAGIC, id, cells)?;
-    let raw = MEASURES + count * STREAMS.iter().map(|s| s.1 as usize).sum::<usize>();
+    let raw = facts::BYTES + count * STREAMS.iter().map(|s| s.1 as usize).sum::<usize>();
     if record.raw != raw {
         return Err(RecordError::Short { what: "raw record", found: record.raw, expected: raw });
     }
-    let mut corner = || Ok(IVec3::new(record.i32("bounds")?, record.i32("bounds")?, record.i32("bounds")?));
-    let bounds = LatticeBox { low: corner()?, high: corner()? };
-    let heights = [record.i32("heights")?, record.i32("heights")?];
-    let (deviation, child_wake) = (record.f64("deviation")?, record.f64("child wake")?);
+    let facts = facts::read(&mut record)?;
     let mut streams = Vec::with_capacity(STREAMS.len());
     for (name, planes) in STREAMS {
         let mut numbers = vec![0u32; count];
@@ -92,7 +81,7 @@ pub fn decode(bytes: &[u8], id: PatchId, cells: u32) -> Result<PatchMesh, Record
     }
     record.finish()?;
     let vertices = vertices(&streams, cells)?;
-    let mesh = PatchMesh { id, cells, vertices, bounds, heights, deviation, child_wake };
+    let mesh = PatchMesh { id, cells, vertices, facts };
     validate(&mesh)?;
     Ok(mesh)
 }
@@ -124,31 +113,10 @@ fn validate(mesh: &PatchMesh) -> Result<(), RecordError> {
         previous = vertex.wake();
         (low, high) = (low.min(vertex.height), high.max(vertex.height));
     }
-    if mesh.heights != [low, high] {
+    if mesh.facts.heights != [low, high] {
         return Err(RecordError::Measure("the height range is not that of the vertices"));
     }
-    measures_are_valid(mesh.bounds, mesh.heights, mesh.deviation, mesh.child_wake).map_err(RecordError::Measure)
-}
-
-/// Checks bounds and measures alone.
-pub(super) fn measures_are_valid(
-    bounds: LatticeBox,
-    heights: [i32; 2],
-    deviation: f64,
-    child_wake: f64,
-) -> Result<(), &'static str> {
-    let inside = |p: IVec3| p.cmpge(IVec3::splat(-EXTENT)).all() && p.cmple(IVec3::splat(EXTENT)).all();
-    if !inside(bounds.low) || !inside(bounds.high) || !bounds.low.cmple(bounds.high).all() {
-        return Err("the bounds are not a box inside the lattice");
-    }
-    if heights[0] > heights[1] {
-        return Err("the lowest vertex is above the highest");
-    }
-    // An odd wake may be infinite: stuck border vertices never sleep.
-    if !(deviation >= 0.0 && deviation.is_finite() && child_wake >= 0.0) {
-        return Err("deviation or odd wake is negative or not a number");
-    }
-    Ok(())
+    facts::check(&mesh.facts).map_err(RecordError::Measure)
 }
 
 fn wake_steps(mesh: &PatchMesh) -> Vec<u32> {
@@ -247,6 +215,9 @@ fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::globe::lattice::LatticeBox;
+    use crate::mesh::progressive::PatchFacts;
+    use glam::IVec3;
 
     /// A mesh that satisfies every rule: all vertices are asleep but the first, which is the parent of all.
     fn flat(cells: u32) -> PatchMesh {
@@ -258,10 +229,12 @@ mod tests {
             id: PatchId::new(crate::globe::sphere::Face::ALL[2], 3, 1, 6).unwrap(),
             cells,
             vertices: (0..(cells + 1) * (cells + 1)).map(vertex).collect(),
-            bounds: LatticeBox { low: IVec3::splat(-5), high: IVec3::splat(5) },
-            heights: [-7, -7],
-            deviation: 0.5,
-            child_wake: f64::INFINITY,
+            facts: PatchFacts {
+                bounds: LatticeBox { low: IVec3::splat(-5), high: IVec3::splat(5) },
+                heights: [-7, -7],
+                deviation: 0.5,
+                child_wake: f64::INFINITY,
+            },
         }
     }
 
@@ -304,9 +277,9 @@ mod tests {
             |m| m.vertices[4].parent = 9,
             |m| m.vertices[4].grid = 5,
             |m| m.vertices[4].own = Wake::ALWAYS,
-            |m| m.deviation = f64::NAN,
-            |m| m.heights = [0, 0],
-            |m| m.bounds = LatticeBox::EMPTY,
+            |m| m.facts.deviation = f64::NAN,
+            |m| m.facts.heights = [0, 0],
+            |m| m.facts.bounds = LatticeBox::EMPTY,
             |m| m.cells = 16,
         ];
         for (k, change) in cases.into_iter().enumerate() {

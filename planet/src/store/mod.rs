@@ -6,6 +6,7 @@
 mod baked;
 mod cached;
 mod error;
+mod facts;
 pub mod geometry;
 mod header;
 pub mod imagery;

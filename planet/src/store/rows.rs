@@ -1,16 +1,18 @@
 //! Patches as rows of the patch table: keys, metadata and the checksum over both.
 
 use super::baked::{BakedPatch, PatchRecord};
-use super::geometry::measures_are_valid;
-use crate::globe::lattice::LatticeBox;
+use super::facts;
 use crate::globe::patch::PatchId;
 use crate::globe::sphere::Face;
-use glam::IVec3;
-use rusqlite::{params, Connection, Row};
+use rusqlite::{params, params_from_iter, Connection, Row, ToSql};
 
 /// Columns that [`read`] reads, in its order.
 pub(super) const COLUMNS: &str = "key, face, level, x, y, low_x, low_y, low_z, high_x, high_y, high_z, lowest, highest, \
      deviation, child_wake, always_awake, checksum, length(geometry), length(texture)";
+
+/// Where the facts begin among them, and what follows the facts.
+const FACTS_AT: usize = 5;
+const AFTER: usize = FACTS_AT + facts::COLUMNS;
 
 /// The key of a patch: 3 bits of face, 5 of level, 21 each of column and row.
 pub(super) fn key(id: PatchId) -> i64 {
@@ -28,12 +30,7 @@ pub(super) fn id(key: i64) -> Option<PatchId> {
 pub(super) fn checksum(record: &PatchRecord) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     hasher.update(&key(record.id).to_le_bytes());
-    let (low, high) = (record.bounds.low, record.bounds.high);
-    for number in [low.x, low.y, low.z, high.x, high.y, high.z, record.heights[0], record.heights[1]] {
-        hasher.update(&number.to_le_bytes());
-    }
-    hasher.update(&record.deviation.to_le_bytes());
-    hasher.update(&record.child_wake.to_le_bytes());
+    hasher.update(&facts::bytes(&record.facts));
     for number in [record.always_awake, record.geometry_bytes, record.texture_bytes] {
         hasher.update(&number.to_le_bytes());
     }
@@ -49,22 +46,16 @@ pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), Str
     };
     let record = PatchRecord {
         id,
-        bounds: LatticeBox {
-            low: IVec3::new(row.get(5)?, row.get(6)?, row.get(7)?),
-            high: IVec3::new(row.get(8)?, row.get(9)?, row.get(10)?),
-        },
-        heights: [row.get(11)?, row.get(12)?],
-        deviation: row.get(13)?,
-        child_wake: row.get(14)?,
-        always_awake: row.get(15)?,
-        geometry_bytes: row.get(17)?,
-        texture_bytes: row.get(18)?,
+        facts: facts::of_row(row, FACTS_AT)?,
+        always_awake: row.get(AFTER)?,
+        geometry_bytes: row.get(AFTER + 2)?,
+        texture_bytes: row.get(AFTER + 3)?,
     };
-    let (found, expected) = (checksum(&record), row.get::<_, u32>(16)?);
+    let (found, expected) = (checksum(&record), row.get::<_, u32>(AFTER + 1)?);
     if stated != key(id) || found != expected {
         return Ok(Err(format!("the row of patch {id} has checksum {found:08x}, expected {expected:08x}")));
     }
-    Ok(match measures_are_valid(record.bounds, record.heights, record.deviation, record.child_wake) {
+    Ok(match facts::check(&record.facts) {
         Ok(()) => Ok((record, found)),
         Err(reason) => Err(format!("the row of patch {id}: {reason}")),
     })
@@ -77,29 +68,14 @@ pub(super) fn insert<'a>(connection: &Connection, patches: &'a [BakedPatch]) -> 
     )?;
     let mut added = Vec::new();
     for BakedPatch { record, geometry, texture } in patches {
-        let (id, low, high) = (record.id, record.bounds.low, record.bounds.high);
-        let values = params![
-            key(id),
-            id.face.index(),
-            id.level,
-            id.x,
-            id.y,
-            low.x,
-            low.y,
-            low.z,
-            high.x,
-            high.y,
-            high.z,
-            record.heights[0],
-            record.heights[1],
-            record.deviation,
-            record.child_wake,
-            record.always_awake,
-            checksum(record),
-            geometry,
-            texture
-        ];
-        if statement.execute(values)? == 1 {
+        let id = record.id;
+        let place = [key(id), id.face.index().into(), id.level.into(), id.x.into(), id.y.into()];
+        let (facts, stated) = (facts::columns(&record.facts), [record.always_awake, checksum(record)]);
+        let place = place.iter().map(|number| number as &dyn ToSql);
+        let stated = stated.iter().map(|number| number as &dyn ToSql);
+        let values = place.chain(facts.iter().map(|value| value as &dyn ToSql)).chain(stated);
+        let values = values.chain([geometry as &dyn ToSql, texture]);
+        if statement.execute(params_from_iter(values))? == 1 {
             added.push(record);
         }
     }

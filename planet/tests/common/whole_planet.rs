@@ -7,7 +7,7 @@ use glam::DVec3;
 use std::collections::HashMap;
 use terrane_planet::draw::cut::{at_data_rim, Cut};
 use terrane_planet::draw::loaded_patch::LoadedPatch;
-use terrane_planet::draw::tree::{PatchFacts, PatchTree};
+use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
 use terrane_planet::globe::patch::PatchId;
@@ -48,8 +48,8 @@ pub(crate) fn of_meshes(lattice: Lattice, cells: u32, meshes: impl Iterator<Item
         (mesh.id, (LoadedPatch::new(mesh, &lattice), rings))
     };
     let patches: HashMap<_, _> = meshes.map(load).collect();
-    let facts = patches.values().map(|(p, _)| PatchFacts::from(&p.mesh));
-    let lowest = patches.values().map(|(p, _)| p.mesh.heights[0]).min().expect("six roots");
+    let facts = patches.values().map(|(p, _)| (p.mesh.id, p.mesh.facts));
+    let lowest = patches.values().map(|(p, _)| p.mesh.facts.heights[0]).min().expect("six roots");
     Planet { tree: PatchTree::new(lattice, cells, f64::from(lowest), facts), patches }
 }
 

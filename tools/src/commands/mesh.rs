@@ -8,7 +8,6 @@ use glam::IVec3;
 use serde_json::json;
 use std::path::PathBuf;
 use terrane_planet::draw::loaded_patch::LoadedPatch;
-use terrane_planet::draw::tree::PatchFacts;
 use terrane_planet::draw::view::View;
 use terrane_planet::export::{origin_near, view_surface, Format, Placed};
 use terrane_planet::planet::Planet;
@@ -53,7 +52,7 @@ impl Run for Mesh {
         let format = Format::of(&self.out)?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
-        let tree = planet.tree(file.index()?.iter().map(PatchFacts::from));
+        let tree = planet.tree(file.index()?.iter().map(|r| (r.id, r.facts)));
         let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error);
         let surface = view_surface(&tree, &view, self.whole, |id| file.mesh(id).map(|m| LoadedPatch::new(m, &planet.lattice)))?;
         let origin = match (self.centre, format) {

@@ -5,7 +5,6 @@ use super::tuning::{measure, tune, Aim};
 use super::*;
 use glam::DVec3;
 use std::collections::HashMap;
-use terrane_planet::draw::tree::PatchFacts;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::ground::HeightGrid;
 use terrane_planet::mesh::progressive::PatchMesh;
@@ -27,7 +26,7 @@ pub(super) fn small_setting(cells: u32, levels: u8) -> Setting {
     let ground = planet.ground();
     let build = |id| (id, PatchMesh::build(&ground, id, &HeightGrid::sample(&ground, id)).0);
     let meshes: HashMap<PatchId, PatchMesh> = ids.into_iter().map(build).collect();
-    let tree = planet.tree(meshes.values().map(PatchFacts::from));
+    let tree = planet.tree(meshes.values().map(|m| (m.id, m.facts)));
     Setting::new(tree, Box::new(move |id| Ok(meshes[&id].clone())))
 }
 

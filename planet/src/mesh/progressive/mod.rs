@@ -1,8 +1,10 @@
 //! The progressive mesh of a patch: vertices in wake order, any prefix of which is a mesh.
 
 pub mod index_levels;
+pub mod patch_facts;
 pub mod patch_mesh;
 pub mod replay;
 
 pub use index_levels::{IndexLevel, IndexLevels};
+pub use patch_facts::PatchFacts;
 pub use patch_mesh::{PatchMesh, Vertex};

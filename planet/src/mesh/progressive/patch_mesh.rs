@@ -1,6 +1,6 @@
 //! A built patch: what the builder hands to the planet file and the planet file to the run time.
 
-use crate::globe::lattice::LatticeBox;
+use super::patch_facts::PatchFacts;
 use crate::globe::patch::{PatchId, Side, MAX_LEVEL};
 use crate::ground::{Ground, HeightGrid};
 use crate::mesh::border::BorderLine;
@@ -42,14 +42,8 @@ pub struct PatchMesh {
     pub cells: u32,
     /// All vertices by falling wake.
     pub vertices: Vec<Vertex>,
-    /// Box around all vertices.
-    pub bounds: LatticeBox,
-    /// Lowest and highest vertex, lattice units above the datum.
-    pub heights: [i32; 2],
-    /// Largest radial distance in lattice units of the next level's samples from this patch's full grid.
-    pub deviation: f64,
-    /// Largest wake that a vertex of its children has on its sides where it has none itself, lattice units.
-    pub child_wake: f64,
+    /// What else is known of it.
+    pub facts: PatchFacts,
 }
 
 impl PatchMesh {
@@ -61,16 +55,13 @@ impl PatchMesh {
         let vertices = in_wake_order(&surface, &hierarchy);
         let low = surface.heights.iter().copied().min().unwrap_or(0);
         let high = surface.heights.iter().copied().max().unwrap_or(0);
-        let mesh = PatchMesh {
-            id,
-            cells: ground.cells,
-            vertices,
+        let facts = PatchFacts {
             bounds: surface.bounds,
             heights: [low, high],
             deviation: surface.deviation,
             child_wake: child_wake(ground, id),
         };
-        (mesh, hierarchy.faults)
+        (PatchMesh { id, cells: ground.cells, vertices, facts }, hierarchy.faults)
     }
 
     /// Number of vertices that never collapse.
