@@ -22,8 +22,8 @@ void main() {
     words[at++] = bits(patchvertex.position.x);
     words[at++] = bits(patchvertex.position.y);
     words[at++] = bits(patchvertex.position.z);
-    words[at++] = bits(patchvertex.grid_own);
-    words[at++] = bits(patchvertex.parent_coarser);
+    words[at++] = bits(patchvertex.grid_wake);
+    words[at++] = bits(patchvertex.parent_coarser_wake);
     words[at++] = bits(patchdraw.vertices.x);
     words[at++] = bits(patchdraw.vertices.y);
     words[at++] = bits(patchdraw.triangles.x);

@@ -54,8 +54,8 @@ float oriented_distance(vec3 p) {
 // Whether a vertex is awake, and its morph weight.
 bool is_awake(PatchVertex vertex, uint sides, out float weight) {
     weight = 0.0;
-    bool coarser = sides != 0u && on_coarser_side(low16(vertex.grid_own), sides);
-    uint code = high16(coarser ? vertex.parent_coarser : vertex.grid_own);
+    bool coarser = sides != 0u && on_coarser_side(low16(vertex.grid_wake), sides);
+    uint code = high16(coarser ? vertex.parent_coarser_wake : vertex.grid_wake);
     if (code == WAKE_ALWAYS) return true;
     weight = 1.0;
     if (code == WAKE_ASLEEP) return false;

@@ -85,7 +85,7 @@ fn count_awake(surface: &Surface, hierarchy: &Hierarchy, eye: DVec3, scale: f64)
     let mut counts = [0.0; 2];
     for v in 0..surface.len() {
         let distance = eye.distance(surface.positions[v].as_dvec3());
-        let wake = hierarchy.own[v].distance();
+        let wake = hierarchy.wake[v].distance();
         let alone = if wake.is_infinite() { wake } else { f64::from(hierarchy.demand[v]) };
         counts[0] += f64::from(u8::from(distance < scale * wake));
         counts[1] += f64::from(u8::from(distance < scale * alone));

@@ -40,7 +40,7 @@ fn a_full_size_patch_builds() {
         let id = PatchId::containing(direction_at(46.0, 7.0), level);
         let start = std::time::Instant::now();
         let (surface, hierarchy) = build_patch(&field, 128, id);
-        let always = hierarchy.own.iter().filter(|w| w.distance().is_infinite()).count();
+        let always = hierarchy.wake.iter().filter(|w| w.distance().is_infinite()).count();
         println!(
             "level {level}: {:.0} ms for {} vertices, {always} always awake",
             start.elapsed().as_secs_f64() * 1e3,

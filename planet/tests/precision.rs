@@ -95,7 +95,7 @@ fn seen(view: &View, point: DVec3) -> Option<[f64; 2]> {
 fn exact(view: &View, vertices: &[PatchVertex], v: usize) -> DVec3 {
     let relative = |v: usize| IVec3::from_array(vertices[v].position).as_dvec3() - view.eye;
     let own = relative(v);
-    let wake = Wake::from_code((vertices[v].grid_own >> 16) as u16);
+    let wake = Wake::from_code((vertices[v].grid_wake >> 16) as u16);
     if wake == Wake::ALWAYS {
         return own;
     }

@@ -122,8 +122,8 @@ fn wakes_that_are_half_as_long_are_noticed() {
         for vertex in vertices {
             // A code holds its exponent above ten bits of mantissa: the exponent less one is half the distance.
             let half = |word: u32| if word >> 16 == 0xffff { word } else { word.saturating_sub(1 << 26).max(word & 0xffff) };
-            vertex.grid_own = half(vertex.grid_own);
-            vertex.parent_coarser = half(vertex.parent_coarser);
+            vertex.grid_wake = half(vertex.grid_wake);
+            vertex.parent_coarser_wake = half(vertex.parent_coarser_wake);
         }
     };
     let changed = |view: View| (view, error_of(&planet, &view, &cut(&planet.tree, &view, &|_| true), &|_| true, &halved));

@@ -70,7 +70,10 @@ fn patches_come_back_as_they_were_built() {
         assert!(file.mesh(record.id).unwrap() == mesh, "{}", record.id);
         assert!(file.texture(record.id).unwrap() == texture, "{}", record.id);
         assert_eq!(BakedPatch::new(&mesh, &texture).unwrap().record, record);
-        assert!(mesh.vertices.iter().any(|v| v.own != v.coarser) || record.id.level == 0, "a comparison without coarser wakes");
+        assert!(
+            mesh.vertices.iter().any(|v| v.wake != v.coarser_wake) || record.id.level == 0,
+            "a comparison without coarser wakes"
+        );
     }
 }
 

@@ -10,5 +10,5 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Ver
 // Triangles are three 16-bit vertex indices each, without padding: two of them in three words.
 layout(buffer_reference, scalar, buffer_reference_align = 4) readonly buffer Triangles { uint at[]; };
 
-uint grid_of(Vertices vertices, uint v) { return low16(vertices.at[v].grid_own); }
-uint parent_of(Vertices vertices, uint v) { return low16(vertices.at[v].parent_coarser); }
+uint grid_of(Vertices vertices, uint v) { return low16(vertices.at[v].grid_wake); }
+uint parent_of(Vertices vertices, uint v) { return low16(vertices.at[v].parent_coarser_wake); }

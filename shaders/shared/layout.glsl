@@ -5,8 +5,8 @@
 
 struct PatchVertex {
     ivec3 position;
-    uint grid_own;
-    uint parent_coarser;
+    uint grid_wake;
+    uint parent_coarser_wake;
 };
 
 struct PatchDraw {

@@ -61,7 +61,7 @@ fn awake_vertex(bench: &mut Bench, view: &View, fits: impl Fn(f32) -> bool) -> (
         let vertices = &bench.verifier.patch_mut(leaf.id).unwrap().vertices;
         let could_sleep = |wakes: u32| wakes >> 16 < u32::from(Wake::ALWAYS.code());
         let weight = |v: &PatchVertex| morph_weight(&view.gpu, v, u32::from(leaf.coarser_sides));
-        let found = vertices.iter().position(|v| could_sleep(v.grid_own) && weight(v).is_some_and(&fits));
+        let found = vertices.iter().position(|v| could_sleep(v.grid_wake) && weight(v).is_some_and(&fits));
         if let Some(found) = found {
             return (leaf.id, found);
         }
@@ -76,8 +76,8 @@ fn one_wake_that_differs_on_the_cpu_is_noticed() {
     let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     let (id, k) = awake_vertex(&mut bench, &view, |_| true);
     let vertex = &mut bench.verifier.patch_mut(id).unwrap().vertices[k];
-    vertex.grid_own &= 0xffff;
-    vertex.parent_coarser &= 0xffff;
+    vertex.grid_wake &= 0xffff;
+    vertex.parent_coarser_wake &= 0xffff;
     let found = bench.verifier.check(&mut bench.scene, &mut bench.headless, &view).unwrap().mismatches;
     assert_eq!((found.awake, found.counters, found.patches), (1, 1, 0));
     assert!(found.resolved > 0 && found.triangles > 0, "{found:?}");
@@ -91,8 +91,8 @@ fn one_morph_weight_that_differs_on_the_cpu_is_noticed() {
     let (id, k) = awake_vertex(&mut bench, &view, |weight| (0.2..0.8).contains(&weight));
     // The next larger wake distance is a thousandth longer, which is a thirtieth of the geomorph.
     let vertex = &mut bench.verifier.patch_mut(id).unwrap().vertices[k];
-    vertex.grid_own += 1 << 16;
-    vertex.parent_coarser += 1 << 16;
+    vertex.grid_wake += 1 << 16;
+    vertex.parent_coarser_wake += 1 << 16;
     let found = bench.verifier.check(&mut bench.scene, &mut bench.headless, &view).unwrap().mismatches;
     assert_eq!(found, Mismatches { places: 1, culled_triangles: found.culled_triangles, ..Mismatches::default() });
 }
@@ -104,8 +104,8 @@ fn a_mesh_that_differs_in_sight_is_noticed_after_culling() {
     let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     for leaf in bench.scene.settle(&view).unwrap().leaves {
         let vertices = &mut bench.verifier.patch_mut(leaf.id).unwrap().vertices;
-        for vertex in vertices.iter_mut().filter(|v| v.grid_own >> 16 != u32::from(Wake::ALWAYS.code())) {
-            vertex.grid_own &= 0xffff;
+        for vertex in vertices.iter_mut().filter(|v| v.grid_wake >> 16 != u32::from(Wake::ALWAYS.code())) {
+            vertex.grid_wake &= 0xffff;
         }
     }
     let found = bench.verifier.check(&mut bench.scene, &mut bench.headless, &view).unwrap().mismatches;

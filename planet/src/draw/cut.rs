@@ -1,7 +1,7 @@
 //! The patch cut: which patches a view draws. A pure function of (resident patches, view), 2:1 balanced across edges.
 //!
-//! A patch splits iff the viewer is nearer to its bounds than its split distance, and only when all four children are
-//! resident, so that missing data makes a coarser picture and never a hole.
+//! A patch splits where the viewer is nearer to its bounds than one of two distances: for closure's sake, seen or not, and for the detail of
+//! what is seen of it. And only when all four children are resident, so that missing data makes a coarser picture and never a hole.
 
 use super::tree::{PatchNode, PatchTree};
 use super::view::View;
@@ -30,8 +30,8 @@ pub struct Leaf {
 pub struct Cut {
     /// Drawn patches, in traversal order.
     pub leaves: Vec<Leaf>,
-    /// Patches whose children the view wants but which are not all resident, with their distance over their split distance
-    /// (smaller is more urgent).
+    /// Patches whose children the view wants but which are not all resident, with their urgency (see [`urgency`];
+    /// smaller is more urgent).
     pub wanted: Vec<(PatchId, f64)>,
     /// Patches whose children the view wants and which are all resident, but wait for a neighbour to split first.
     pub blocked: Vec<PatchId>,
@@ -88,7 +88,8 @@ pub fn cut_by(tree: &PatchTree, urgency: &dyn Fn(PatchId, &PatchNode) -> f64, re
     result
 }
 
-/// Distance over split distance: below 1 a patch of a level splits, for closure's sake or for that of what is seen of it.
+/// Distance over the distance at which a patch of a level splits, the smaller of the two for closure's sake and for that of what is
+/// seen of it: below 1 it splits.
 pub fn urgency(tree: &PatchTree, view: &View, level: u8, node: &PatchNode) -> f64 {
     let (nearest, outside) = nearest_and_outside(view, &node.bounds);
     let closure = (nearest + view.falloff * outside) / (view.scale * node.closure_wake);

@@ -50,7 +50,7 @@ impl Beyond {
 
     fn include(&mut self, vertex: &PatchVertex) {
         self.bounds.include(IVec3::from_array(vertex.position));
-        self.wake = self.wake.max(vertex.wake());
+        self.wake = self.wake.max(vertex.largest_wake());
     }
 
     /// Whether all of it sleeps in a view. The selection distance is taken a little nearer than true, for the rounding of f32

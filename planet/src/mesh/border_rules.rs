@@ -26,9 +26,9 @@ pub struct BorderRules {
     /// Sides a vertex lies on, as bits of [`Side::bit`].
     pub sides: Vec<u8>,
     /// Wake next to a neighbour of the same or a finer level.
-    pub own: Vec<Wake>,
+    pub wake: Vec<Wake>,
     /// Wake next to a coarser neighbour (only sides on the parent's boundary have one).
-    pub coarser: Vec<Wake>,
+    pub coarser_wake: Vec<Wake>,
     /// The wake that collapses beside a border vertex must respect.
     pub low: Vec<f64>,
     /// The wake that propagates into interior vertices.
@@ -72,8 +72,8 @@ impl BorderRules {
         BorderRules {
             kind: vec![Kind::Interior; count],
             sides: vec![0; count],
-            own: vec![Wake::ASLEEP; count],
-            coarser: vec![Wake::ASLEEP; count],
+            wake: vec![Wake::ASLEEP; count],
+            coarser_wake: vec![Wake::ASLEEP; count],
             low: vec![f64::INFINITY; count],
             high: vec![f64::INFINITY; count],
             key: vec![f64::INFINITY; count],
@@ -86,8 +86,8 @@ impl BorderRules {
     fn fix_corners(&mut self, n: usize) {
         for corner in [0, n, n * (n + 1), n * (n + 2)] {
             self.kind[corner] = Kind::Fixed;
-            self.own[corner] = Wake::ALWAYS;
-            self.coarser[corner] = Wake::ALWAYS;
+            self.wake[corner] = Wake::ALWAYS;
+            self.coarser_wake[corner] = Wake::ALWAYS;
         }
     }
 
@@ -95,7 +95,7 @@ impl BorderRules {
         let n = ground.cells as usize;
         let line = BorderLine::of_side(id, side);
         let keys = line.canonical_wakes(ground, id.level, n, kappa);
-        let own = line.shared_wakes(ground, id.level, &keys, kappa);
+        let wakes = line.shared_wakes(ground, id.level, &keys, kappa);
         let coarser = id.parent().filter(|_| id.on_parent_boundary(side)).map(|parent| {
             let line = BorderLine::of_side(parent, side);
             let canonical = line.canonical_wakes(ground, parent.level, n, kappa);
@@ -115,35 +115,35 @@ impl BorderRules {
             self.other[v] = vertex(other - first) as u32;
             self.kind[v] = Kind::Border;
             self.key[v] = keys[k].distance();
-            let beside_coarser = match &coarser {
+            let coarser_wake = match &coarser {
                 Some(wake) if k % 2 == 0 => wake(k),
                 Some(_) => Wake::ASLEEP,
-                None => own[k],
+                None => wakes[k],
             };
-            self.set_wakes(v, own[k], beside_coarser, k % 2 == 0);
+            self.set_wakes(v, wakes[k], coarser_wake, k % 2 == 0);
             if k == n / 2 {
                 self.set_mid_edge(v, coarser.is_some());
             }
         }
     }
 
-    fn set_wakes(&mut self, v: usize, own: Wake, coarser: Wake, even: bool) {
-        self.own[v] = own;
-        self.coarser[v] = coarser;
-        let given = if even { [own, coarser] } else { [own, own] };
+    fn set_wakes(&mut self, v: usize, wake: Wake, coarser_wake: Wake, even: bool) {
+        self.wake[v] = wake;
+        self.coarser_wake[v] = coarser_wake;
+        let given = if even { [wake, coarser_wake] } else { [wake, wake] };
         self.low[v] = given[0].min(given[1]).distance();
         self.high[v] = given[0].max(given[1]).distance();
     }
 
     /// Mid-edge vertices stay awake, so that a finer neighbour needs no flag; only a coarser one puts them to sleep.
     fn set_mid_edge(&mut self, v: usize, has_coarser: bool) {
-        self.own[v] = Wake::ALWAYS;
+        self.wake[v] = Wake::ALWAYS;
         if has_coarser {
-            self.low[v] = self.coarser[v].distance();
+            self.low[v] = self.coarser_wake[v].distance();
             self.key[v] = f64::MAX;
             self.last[v] = true;
         } else {
-            self.coarser[v] = Wake::ALWAYS;
+            self.coarser_wake[v] = Wake::ALWAYS;
             self.kind[v] = Kind::Fixed;
             self.low[v] = f64::INFINITY;
             self.high[v] = f64::INFINITY;

@@ -15,9 +15,9 @@ use terrane_heightfield::decimate::queue::Queue;
 /// The finished hierarchy of one patch, by vertex number.
 pub struct Hierarchy {
     /// Wake next to equal or finer neighbours.
-    pub own: Vec<Wake>,
-    /// Wake next to a coarser neighbour (equal to `own` away from the parent's boundary).
-    pub coarser: Vec<Wake>,
+    pub wake: Vec<Wake>,
+    /// Wake next to a coarser neighbour (equal to `wake` away from the parent's boundary).
+    pub coarser_wake: Vec<Wake>,
     /// The vertex each one collapsed into; itself if it never did.
     pub parent: Vec<u32>,
     /// Vertices in order of collapse.
@@ -84,8 +84,8 @@ pub fn build(surface: &Surface, rules: BorderRules, kappa: f64) -> Hierarchy {
     let count = surface.len();
     let side = surface.cells as usize + 1;
     let result = Hierarchy {
-        own: rules.own.clone(),
-        coarser: rules.coarser.clone(),
+        wake: rules.wake.clone(),
+        coarser_wake: rules.coarser_wake.clone(),
         parent: (0..count as u32).collect(),
         order: Vec::with_capacity(count),
         demand: vec![0.0; count],
@@ -301,8 +301,8 @@ impl Builder<'_> {
     /// Collapses the vertex gathered and measured last. `interior` is its wake, unless its border gives it one.
     fn perform_collapse(&mut self, v: u32, into: u32, error: f64, interior: Wake) {
         let wake = if self.patch.kind(v) == Kind::Interior {
-            self.result.own[v as usize] = interior;
-            self.result.coarser[v as usize] = interior;
+            self.result.wake[v as usize] = interior;
+            self.result.coarser_wake[v as usize] = interior;
             interior.distance()
         } else {
             self.patch.rules.high[v as usize]
@@ -337,8 +337,8 @@ impl Builder<'_> {
             if !self.patch.decimator.is_alive(v as u32) {
                 continue;
             }
-            self.result.own[v] = Wake::ALWAYS;
-            self.result.coarser[v] = Wake::ALWAYS;
+            self.result.wake[v] = Wake::ALWAYS;
+            self.result.coarser_wake[v] = Wake::ALWAYS;
             match self.patch.kind(v as u32) {
                 Kind::Border => self.result.faults.stuck_border += 1,
                 Kind::Interior if self.is_enclosed(v as u32) => {}

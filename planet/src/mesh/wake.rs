@@ -3,7 +3,8 @@
 //! Closure (docs/design.md, "Wake distance") survives quantisation because a wake is rounded *before* it propagates to other
 //! vertices.
 
-/// A wake distance in lattice units: the vertex is awake when the viewer is nearer than this times the view's scale.
+/// A wake distance in lattice units. The vertex is in its own place when the viewer is nearer than this times the view's scale, and
+/// awake from [`MORPH_REACH`] times as far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Wake(u16);
 

@@ -22,9 +22,9 @@ fn dot(a: Vec3, b: [f32; 3]) -> f32 {
     a.x * b[0] + a.y * b[1] + a.z * b[2]
 }
 
-/// A wake's distance in f32, exact.
+/// A wake's distance from its 16 bits in f32, exact.
 #[inline]
-fn distance(code: u32) -> f32 {
+fn wake_distance(code: u32) -> f32 {
     f32::from_bits((code << (f32::MANTISSA_DIGITS - 1 - MANTISSA_BITS)) + 1.0f32.to_bits())
 }
 
@@ -40,14 +40,14 @@ pub fn on_sides(grid: u32, cells: u32, sides: u32) -> bool {
 #[inline]
 pub fn morph_weight(view: &FrameView, vertex: &PatchVertex, coarser_sides: u32) -> Option<f32> {
     let coarser = coarser_sides != 0 && on_sides(vertex.grid(), view.cells, coarser_sides);
-    let code = high16(if coarser { vertex.parent_coarser } else { vertex.grid_own });
+    let code = high16(if coarser { vertex.parent_coarser_wake } else { vertex.grid_wake });
     if code == u32::from(Wake::ALWAYS.code()) {
         return Some(0.0);
     }
     if code == u32::from(Wake::ASLEEP.code()) {
         return None;
     }
-    let wake = distance(code);
+    let wake = wake_distance(code);
     let p = relative(view, vertex.position);
     let outside = view.planes.iter().map(|&n| dot(p, n)).fold(0.0f32, f32::max);
     let falloff = view.falloff * outside;
@@ -91,6 +91,7 @@ pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) ->
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::draw::layout::pair;
     use crate::draw::view::{Camera, View};
     use crate::globe::lattice::Lattice;
     use crate::mesh::wake::MORPH_REACH;
@@ -104,7 +105,7 @@ mod tests {
         let position = view.eye + view.camera.forward * (share * view.scale * wake.distance());
         let vertex = PatchVertex {
             position: position.round().as_ivec3().to_array(),
-            grid_own: u32::from(wake.code()) << 16,
+            grid_wake: u32::from(wake.code()) << 16,
             ..Default::default()
         };
         (view, vertex)
@@ -134,7 +135,7 @@ mod tests {
     #[test]
     fn shader_wakes_equal_builder_wakes() {
         for code in 1..u16::MAX {
-            assert_eq!(f64::from(distance(u32::from(code))), Wake::from_code(code).distance());
+            assert_eq!(f64::from(wake_distance(u32::from(code))), Wake::from_code(code).distance());
         }
     }
 }

@@ -21,7 +21,7 @@ const STREAMS: [(&str, u32); 6] = [
     ("wake steps", 2),
     ("grid positions", 2),
     ("parents", 2),
-    ("own wake deficits", 2),
+    ("wake deficits", 2),
     ("coarser wake deficits", 2),
     ("heights", 4),
 ];
@@ -43,8 +43,8 @@ fn streams(mesh: &PatchMesh) -> [Vec<u32>; STREAMS.len()] {
         wake_steps(mesh),
         grid_positions(mesh),
         parents(mesh),
-        deficits(mesh, |v| v.own),
-        deficits(mesh, |v| v.coarser),
+        deficits(mesh, |v| v.wake),
+        deficits(mesh, |v| v.coarser_wake),
         residuals(mesh),
     ]
 }
@@ -104,13 +104,13 @@ fn validate(mesh: &PatchMesh) -> Result<(), RecordError> {
         if usize::from(vertex.parent) > place {
             return wrong("its parent comes after it");
         }
-        if vertex.wake() > previous {
+        if vertex.largest_wake() > previous {
             return wrong("its wake is larger than the one before");
         }
         if vertex.height.unsigned_abs() > EXTENT.unsigned_abs() {
             return wrong("its height is outside the lattice");
         }
-        previous = vertex.wake();
+        previous = vertex.largest_wake();
         (low, high) = (low.min(vertex.height), high.max(vertex.height));
     }
     if mesh.facts.heights != [low, high] {
@@ -122,7 +122,7 @@ fn validate(mesh: &PatchMesh) -> Result<(), RecordError> {
 fn wake_steps(mesh: &PatchMesh) -> Vec<u32> {
     let mut previous = Wake::ALWAYS.code();
     let step = |v: &Vertex| {
-        let code = v.wake().code();
+        let code = v.largest_wake().code();
         u32::from(std::mem::replace(&mut previous, code) - code)
     };
     mesh.vertices.iter().map(step).collect()
@@ -153,7 +153,7 @@ fn parents(mesh: &PatchMesh) -> Vec<u32> {
 }
 
 fn deficits(mesh: &PatchMesh, wake: impl Fn(&Vertex) -> Wake) -> Vec<u32> {
-    mesh.vertices.iter().map(|v| u32::from(v.wake().code() - wake(v).code())).collect()
+    mesh.vertices.iter().map(|v| u32::from(v.largest_wake().code() - wake(v).code())).collect()
 }
 
 fn residuals(mesh: &PatchMesh) -> Vec<u32> {
@@ -168,7 +168,7 @@ fn residuals(mesh: &PatchMesh) -> Vec<u32> {
 
 /// Vertices from their streams; a grid position or parent that is not there is an error, the rest is left to [`validate`].
 fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError> {
-    let [steps, positions, ways, own, coarser, residuals] = streams else {
+    let [steps, positions, ways, deficits, coarser_deficits, residuals] = streams else {
         return Err(RecordError::Measure("streams are missing"));
     };
     let side = cells + 1;
@@ -179,7 +179,7 @@ fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError
         let residual = next.next().copied().unwrap_or(0);
         heights[v] = mean(&heights, around).wrapping_add(unzigzag(residual));
     });
-    let mut wake = u32::from(Wake::ALWAYS.code());
+    let mut largest = u32::from(Wake::ALWAYS.code());
     let mut vertices = Vec::with_capacity(positions.len());
     for (place, &position) in positions.iter().enumerate() {
         let wrong = |reason| RecordError::Vertex { place, reason };
@@ -194,18 +194,18 @@ fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError
         if usize::from(parent) > place {
             return Err(wrong("its parent comes after it"));
         }
-        wake = wake.checked_sub(steps[place]).ok_or(wrong("its wake falls below zero"))?;
+        largest = largest.checked_sub(steps[place]).ok_or(wrong("its wake falls below zero"))?;
         let lacks = |deficit: u32| {
-            wake.checked_sub(deficit).map(|code| Wake::from_code(code as u16)).ok_or(wrong("its wake falls below zero"))
+            largest.checked_sub(deficit).map(|code| Wake::from_code(code as u16)).ok_or(wrong("its wake falls below zero"))
         };
-        if own[place] != 0 && coarser[place] != 0 {
+        if deficits[place] != 0 && coarser_deficits[place] != 0 {
             return Err(wrong("neither of its wakes is the larger one"));
         }
         vertices.push(Vertex {
             grid: grid as u16,
             height: heights[grid as usize],
-            own: lacks(own[place])?,
-            coarser: lacks(coarser[place])?,
+            wake: lacks(deficits[place])?,
+            coarser_wake: lacks(coarser_deficits[place])?,
             parent,
         });
     }
@@ -223,7 +223,7 @@ mod tests {
     fn flat(cells: u32) -> PatchMesh {
         let vertex = |grid: u32| {
             let wake = if grid == 0 { Wake::ALWAYS } else { Wake::ASLEEP };
-            Vertex { grid: grid as u16, height: -7, own: wake, coarser: wake, parent: 0 }
+            Vertex { grid: grid as u16, height: -7, wake, coarser_wake: wake, parent: 0 }
         };
         PatchMesh {
             id: PatchId::new(crate::globe::sphere::Face::ALL[2], 3, 1, 6).unwrap(),
@@ -276,7 +276,7 @@ mod tests {
         let cases: [fn(&mut PatchMesh); 7] = [
             |m| m.vertices[4].parent = 9,
             |m| m.vertices[4].grid = 5,
-            |m| m.vertices[4].own = Wake::ALWAYS,
+            |m| m.vertices[4].wake = Wake::ALWAYS,
             |m| m.facts.deviation = f64::NAN,
             |m| m.facts.heights = [0, 0],
             |m| m.facts.bounds = LatticeBox::EMPTY,

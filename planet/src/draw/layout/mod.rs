@@ -42,10 +42,10 @@ gpu_structs! {
     PatchVertex {
         /// Lattice position.
         position: [i32; 3],
-        /// Grid number (low half) and own wake (high half).
-        grid_own: u32,
-        /// Parent's place (low half) and wake beside a coarser neighbour (high half).
-        parent_coarser: u32,
+        /// Grid number (low half) and wake (high half).
+        grid_wake: u32,
+        /// Parent's vertex index (low half) and coarser wake, for beside a coarser neighbour (high half).
+        parent_coarser_wake: u32,
     }
 
     /// One patch to select, emit and draw this frame.
@@ -249,25 +249,25 @@ impl PatchVertex {
         let grid = WarpedGrid::new(mesh.id, 0..=mesh.cells as i32, mesh.cells);
         let convert = |v: &crate::mesh::progressive::Vertex| PatchVertex {
             position: lattice.position(grid.direction(usize::from(v.grid) % row, usize::from(v.grid) / row), v.height).to_array(),
-            grid_own: pair(v.grid, v.own.code()),
-            parent_coarser: pair(v.parent, v.coarser.code()),
+            grid_wake: pair(v.grid, v.wake.code()),
+            parent_coarser_wake: pair(v.parent, v.coarser_wake.code()),
         };
         mesh.vertices.iter().map(convert).collect()
     }
 
     /// Grid number.
     pub fn grid(&self) -> u32 {
-        low16(self.grid_own)
+        low16(self.grid_wake)
     }
 
-    /// Place of the vertex it collapses into.
+    /// Vertex index of the vertex it collapses into.
     pub fn parent(&self) -> u32 {
-        low16(self.parent_coarser)
+        low16(self.parent_coarser_wake)
     }
 
     /// The larger of its two wakes.
-    pub fn wake(&self) -> Wake {
-        Wake::from_code(high16(self.grid_own.max(self.parent_coarser)) as u16)
+    pub fn largest_wake(&self) -> Wake {
+        Wake::from_code(high16(self.grid_wake.max(self.parent_coarser_wake)) as u16)
     }
 }
 

@@ -18,18 +18,18 @@ pub struct Vertex {
     /// Height above the datum in lattice units.
     pub height: i32,
     /// Wake next to neighbours of the same or a finer level.
-    pub own: Wake,
-    /// Wake next to a coarser neighbour.
-    pub coarser: Wake,
-    /// Place in wake order of the vertex it collapses into; always before its own, except for vertices that never
+    pub wake: Wake,
+    /// Coarser wake: that next to a coarser neighbour.
+    pub coarser_wake: Wake,
+    /// Vertex index (place in wake order) of the vertex it collapses into; always before its own, except for vertices that never
     /// collapse, which name themselves.
     pub parent: u16,
 }
 
 impl Vertex {
     /// The larger of the two wakes: vertices are stored by falling value of this.
-    pub fn wake(&self) -> Wake {
-        self.own.max(self.coarser)
+    pub fn largest_wake(&self) -> Wake {
+        self.wake.max(self.coarser_wake)
     }
 }
 
@@ -66,7 +66,7 @@ impl PatchMesh {
 
     /// Number of vertices that never collapse.
     pub fn always_awake(&self) -> usize {
-        self.vertices.iter().take_while(|v| v.wake() == Wake::ALWAYS).count()
+        self.vertices.iter().take_while(|v| v.largest_wake() == Wake::ALWAYS).count()
     }
 }
 
@@ -85,10 +85,10 @@ fn in_wake_order(surface: &Surface, hierarchy: &Hierarchy) -> Vec<Vertex> {
     for (step, &v) in hierarchy.order.iter().enumerate() {
         collapsed_at[v as usize] = step as u32;
     }
-    let wake = |v: u32| hierarchy.own[v as usize].max(hierarchy.coarser[v as usize]);
+    let largest_wake = |v: u32| hierarchy.wake[v as usize].max(hierarchy.coarser_wake[v as usize]);
     let mut order: Vec<u32> = (0..count as u32).collect();
     // Of equal wakes the one that collapsed later comes first, so that parents always precede their children.
-    order.sort_by_key(|&v| std::cmp::Reverse((wake(v), collapsed_at[v as usize], std::cmp::Reverse(v))));
+    order.sort_by_key(|&v| std::cmp::Reverse((largest_wake(v), collapsed_at[v as usize], std::cmp::Reverse(v))));
     let mut place = vec![0u16; count];
     for (k, &v) in order.iter().enumerate() {
         place[v as usize] = k as u16;
@@ -96,8 +96,8 @@ fn in_wake_order(surface: &Surface, hierarchy: &Hierarchy) -> Vec<Vertex> {
     let vertex = |&v: &u32| Vertex {
         grid: v as u16,
         height: surface.heights[v as usize],
-        own: hierarchy.own[v as usize],
-        coarser: hierarchy.coarser[v as usize],
+        wake: hierarchy.wake[v as usize],
+        coarser_wake: hierarchy.coarser_wake[v as usize],
         parent: place[hierarchy.parent[v as usize] as usize],
     };
     order.iter().map(vertex).collect()
