@@ -6,7 +6,6 @@ use std::io::{BufWriter, Write};
 use std::path::PathBuf;
 use terrane_planet::draw::camera_path::Keyframe;
 use terrane_planet::draw::loaded_patch::LoadedPatch;
-use terrane_planet::draw::tree::PatchFacts;
 use terrane_planet::draw::view::View;
 use terrane_planet::export::view_surface;
 use terrane_planet::globe::patch::PatchId;
@@ -22,7 +21,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let roots: Vec<PatchId> = PatchId::roots().collect();
     let ids = roots.iter().copied().chain(roots.iter().filter_map(|id| id.children()).flatten());
     let meshes: Vec<PatchMesh> = ids.map(|id| planet.build(id).0).collect();
-    let tree = planet.tree(meshes.iter().map(PatchFacts::from));
+    let tree = planet.tree(meshes.iter().map(|mesh| (mesh.id, mesh.facts)));
 
     // A view from 20 km, with an error of at most one pixel in a picture of 1280 × 720.
     let keyframe =

@@ -6,7 +6,7 @@ pub mod edits;
 
 pub use camera::CLEARANCE_M;
 
-use crate::draw::tree::{PatchFacts, PatchTree};
+use crate::draw::tree::PatchTree;
 use crate::globe::lattice::Lattice;
 use crate::globe::patch::{PatchId, MAX_CELLS, MAX_LEVEL, MIN_CELLS};
 use crate::ground::texture::PatchTexture;

@@ -105,7 +105,7 @@ mod tests {
         let position = view.eye + view.camera.forward * (share * view.scale * wake.distance());
         let vertex = PatchVertex {
             position: position.round().as_ivec3().to_array(),
-            grid_wake: u32::from(wake.code()) << 16,
+            grid_wake: pair(0, wake.code()),
             ..Default::default()
         };
         (view, vertex)

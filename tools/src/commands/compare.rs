@@ -9,7 +9,6 @@ use anyhow::Context as _;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
-use terrane_planet::draw::tree::PatchFacts;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::globe::sphere::place_of;
 use terrane_planet::planet::Planet;
