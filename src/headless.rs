@@ -66,7 +66,6 @@ impl Headless {
         let begun = Instant::now();
         self.commands.begin()?;
         self.renderer.record_mesh(&mut self.commands, scene, &tables)?;
-        self.commands.transition(self.picture.view(), Access::Undefined, Access::ColorTarget)?;
         self.renderer.record_picture(&mut self.commands, scene, look, self.picture.view())?;
         let record_ms = milliseconds_since(begun);
         let times = self.commands.submit_and_wait()?;
@@ -107,7 +106,6 @@ impl Headless {
         self.renderer.prepare_again(scene, part, tables, look)?;
         self.commands.begin()?;
         self.renderer.record_part(&mut self.commands, scene, tables)?;
-        self.commands.transition(self.picture.view(), Access::Undefined, Access::ColorTarget)?;
         self.renderer.record_picture(&mut self.commands, scene, look, self.picture.view())?;
         let times = self.commands.submit_and_wait()?;
         Ok((times, self.renderer.counters()?))

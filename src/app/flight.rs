@@ -134,13 +134,11 @@ impl Flight {
         let seconds = self.pass_time();
         let commands = &mut frame.commands;
         self.record_mesh(commands, seconds)?;
-        commands.transition(&frame.target, Access::Undefined, Access::ColorTarget)?;
         self.renderer.record_picture(commands, &self.scene, &self.look, &frame.target)?;
-        commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
         let text = self.text();
         let scale = (self.window.scale_factor() * if width >= WIDE { 2.0 } else { 1.0 }).round().max(1.0);
         self.stage.record(commands, &frame.target, &text, scale as u32)?;
-        commands.transition(&frame.target, Access::ColorTarget, Access::Present)?;
+        commands.ready(&[frame.target.to(Access::Present)])?;
         self.window.pre_present_notify();
         self.swapchain.present(frame)?;
         if std::mem::take(&mut self.screenshot_wanted) {
@@ -227,7 +225,6 @@ impl Flight {
         let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
         let image = Image::new(&self.context, &ImageDescription::new("screenshot", size, self.swapchain.format(), usage))?;
         Commands::once(&self.context, "screenshot", |commands| {
-            commands.transition(image.view(), Access::Undefined, Access::ColorTarget)?;
             self.renderer.record_picture(commands, &self.scene, &self.look, image.view())
         })?;
         let pixels = capture(&self.context, &image, (0, 0), Access::ColorTarget)?.to_rgba8()?;

@@ -10,7 +10,7 @@ use super::stage::Stage;
 use crate::shaders;
 use crate::vulkan::{
     vk, Access, Commands, ComputePipeline, Context, Image, ImageDescription, Resource, Result, Sampler, SamplerDescription,
-    Shader,
+    Shader, Use,
 };
 use std::sync::Arc;
 use terrane_planet::draw::layout::Shading;
@@ -87,7 +87,7 @@ impl Air {
             medium: None,
         };
         Commands::once(context, "table layouts", |commands| {
-            air.tables().into_iter().try_for_each(|table| commands.transition(table.view(), Access::Undefined, Access::Sampled))
+            commands.ready(&air.tables().map(|table| table.view().anew(Access::Sampled)))
         })?;
         Ok(air)
     }
@@ -137,9 +137,8 @@ impl Air {
         written: &[(&'static str, &Image)],
         read: &[(&'static str, Resource<'_>)],
     ) -> Result<()> {
-        for (_, table) in written {
-            commands.transition(table.view(), Access::Sampled, Access::ComputeWrite)?;
-        }
+        let uses = |each: fn(&Image) -> Use<'_>| written.iter().map(|(_, table)| each(table)).collect::<Vec<_>>();
+        commands.ready(&uses(|table| table.view().anew(Access::ComputeWrite)))?;
         let outputs = written.iter().map(|(name, table)| (*name, Resource::StorageImage(table.view())));
         commands.bind(pipeline, &outputs.chain(read.iter().copied()).collect::<Vec<_>>())?;
         let [x, y, _] = pipeline.workgroup_size();
@@ -150,10 +149,7 @@ impl Air {
         } else {
             commands.dispatch(width.div_ceil(x), height.div_ceil(y), 1)?;
         }
-        for (_, table) in written {
-            commands.transition(table.view(), Access::ComputeWrite, Access::Sampled)?;
-        }
-        Ok(())
+        commands.ready(&uses(|table| table.view().to(Access::Sampled)))
     }
 
     fn sampled<'a>(&'a self, name: &'static str, table: &'a Image) -> (&'static str, Resource<'a>) {

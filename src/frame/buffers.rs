@@ -2,7 +2,7 @@
 //! (one set: frames follow each other on the queue). They grow as needed and never shrink.
 
 use super::tables::{FrameTables, MeshTasks};
-use crate::vulkan::{Buffer, Context, Memory, Result, Usage, FRAMES_IN_FLIGHT};
+use crate::vulkan::{Access, Buffer, Commands, Context, Memory, Result, Usage, FRAMES_IN_FLIGHT};
 use std::sync::Arc;
 use terrane_planet::draw::layout::{DrawnVertex, EmitState, FrameView, Shading, Task};
 
@@ -84,13 +84,15 @@ impl FrameBuffers {
         self.inputs[self.slot].write(&context, tables, view, shading, capacity)
     }
 
-    /// Device-side reset of the counters for this frame; follow with a barrier.
-    pub fn record_reset(&self, commands: &mut crate::vulkan::Commands) -> Result<()> {
+    /// Device-side reset of the counters for this frame.
+    pub fn record_reset(&self, commands: &mut Commands) -> Result<()> {
+        commands.ready(&[self.state.to(Access::TransferWrite)])?;
         commands.copy_buffer((&self.input().reset, 0), (&self.state, 0), bytes_of::<EmitState>())
     }
 
     /// Copies the counters to where [`FrameBuffers::counters`] finds them.
-    pub fn record_readback(&self, commands: &mut crate::vulkan::Commands) -> Result<()> {
+    pub fn record_readback(&self, commands: &mut Commands) -> Result<()> {
+        commands.ready(&[self.state.to(Access::TransferRead)])?;
         commands.copy_buffer((&self.state, 0), (&self.input().readback, 0), bytes_of::<EmitState>())
     }
 

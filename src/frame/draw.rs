@@ -8,7 +8,8 @@ use super::tiles::Tiles;
 use crate::scene::Scene;
 use crate::shaders;
 use crate::vulkan::{
-    vk, Blend, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource, Result,
+    vk, Access, Blend, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource,
+    Result,
 };
 use std::sync::Arc;
 use terrane_planet::draw::layout::EmitState;
@@ -57,6 +58,8 @@ impl Draw {
         tiles: &Tiles,
     ) -> Result<()> {
         let (ground, depth) = targets.drawn();
+        ready_geometry(commands, buffers)?;
+        commands.ready(&[ground.anew(Access::ColorTarget), depth.anew(Access::DepthTarget)])?;
         commands.begin_rendering(
             &[ColorTarget { view: ground, clear: Some([0.0; 4]) }],
             Some(DepthTarget { view: depth, clear: Some(0.0) }),
@@ -76,6 +79,8 @@ impl Draw {
 
     /// Records the mesh's edges over `targets.water`, hidden by `targets.depth`.
     pub(super) fn record_lines(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+        ready_geometry(commands, buffers)?;
+        commands.ready(&[targets.water.view().to(Access::ColorTarget), targets.depth.view().to(Access::DepthTarget)])?;
         commands.begin_rendering(
             &[ColorTarget { view: targets.water.view(), clear: None }],
             Some(DepthTarget { view: targets.depth.view(), clear: None }),
@@ -84,6 +89,15 @@ impl Draw {
         commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
         commands.end_rendering()
     }
+}
+
+/// Makes ready what the mesh stages wrote.
+fn ready_geometry(commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
+    commands.ready(&[
+        buffers.places.to(Access::GraphicsRead),
+        buffers.indices.to(Access::IndexRead),
+        buffers.state.to(Access::IndirectRead),
+    ])
 }
 
 /// What the vertex shader reads.

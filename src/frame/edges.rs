@@ -3,7 +3,7 @@
 use super::targets::{Targets, DEPTH_FORMAT, EDGE_FORMAT, SCENE_FORMAT};
 use crate::shaders;
 use crate::vulkan::{
-    vk, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource, Result,
+    vk, Access, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource, Result,
 };
 use std::sync::Arc;
 
@@ -27,6 +27,13 @@ impl Edges {
     /// Records the stage: reads the samples, fills `targets.ground`, `targets.depth` and `targets.edges`.
     pub(super) fn record(&self, commands: &mut Commands, targets: &Targets) -> Result<()> {
         let Some(samples) = &targets.samples else { return Ok(()) };
+        commands.ready(&[
+            samples.ground.view().to(Access::Sampled),
+            samples.depth.view().to(Access::Sampled),
+            targets.ground.view().anew(Access::ColorTarget),
+            targets.edges.view().anew(Access::ColorTarget),
+            targets.depth.view().anew(Access::DepthTarget),
+        ])?;
         let color = |view| ColorTarget { view, clear: Some([0.0; 4]) };
         commands.begin_rendering(
             &[color(targets.ground.view()), color(targets.edges.view())],

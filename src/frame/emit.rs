@@ -24,6 +24,8 @@ impl Emit {
     /// Records the stage: reads `buffers.resolved` and `buffers.places`, fills `buffers.indices` and `buffers.state`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let tasks = &buffers.tasks().emit;
+        commands.ready(&[&buffers.resolved, &buffers.places].map(|buffer| buffer.to(Access::ComputeRead)))?;
+        commands.ready(&[&buffers.indices, &buffers.state].map(|buffer| buffer.to(Access::ComputeWrite)))?;
         commands.bind(
             &self.emit,
             &[
@@ -38,7 +40,7 @@ impl Emit {
         )?;
         commands.push_constants(&tasks.count)?;
         commands.dispatch_rows(tasks.count)?;
-        commands.barrier(&[Access::ComputeWrite], &[Access::ComputeWrite])?;
+        commands.ready(&[buffers.state.to(Access::ComputeWrite)])?;
         commands.bind(&self.arguments, &[("State", Resource::Storage(&buffers.state))])?;
         commands.dispatch(1, 1, 1)
     }

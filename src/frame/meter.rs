@@ -36,18 +36,18 @@ impl Meter {
 
     /// Records the stage: reads `targets.scene`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+        commands.ready(&[self.histogram.to(Access::TransferWrite)])?;
         commands.copy_buffer((&self.zeros, 0), (&self.histogram, 0), self.zeros.bytes())?;
-        commands.barrier(&[Access::TransferWrite], &[Access::ComputeWrite])?;
+        commands.ready(&[self.histogram.to(Access::ComputeWrite), targets.scene.view().to(Access::Sampled)])?;
         let scene = ("scene", Resource::Sampled(targets.scene.view(), &targets.nearest));
         let histogram = ("Histogram", Resource::Storage(&self.histogram));
         commands.bind(&self.meter, &[scene, histogram])?;
         let [x, y, _] = self.meter.workgroup_size();
         commands.dispatch(targets.size.0.div_ceil(METER_STRIDE * x), targets.size.1.div_ceil(METER_STRIDE * y), 1)?;
-        commands.barrier(&[Access::ComputeWrite], &[Access::ComputeRead])?;
+        commands.ready(&[Access::ComputeWrite], &[Access::ComputeRead])?;
         let light = ("Light", Resource::Storage(buffers.shading()));
         commands.bind(&self.expose, &[light, histogram, ("Exposure", Resource::Storage(&self.factor))])?;
-        commands.dispatch(1, 1, 1)?;
-        commands.barrier(&[Access::ComputeWrite], &[Access::GraphicsRead])
+        commands.dispatch(1, 1, 1)
     }
 
     /// The factor on exposure; undefined before the first metered frame.

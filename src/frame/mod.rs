@@ -31,7 +31,7 @@ pub use tables::{FrameTables, MeshTasks};
 pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
 
 use crate::scene::Scene;
-use crate::vulkan::{vk, Access, Buffer, Commands, Context, ImageView, Result};
+use crate::vulkan::{vk, Buffer, Commands, Context, ImageView, Result};
 use air::Air;
 use draw::Draw;
 use edges::Edges;
@@ -136,14 +136,7 @@ impl Renderer {
     pub fn record_part(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
         keep_patches(commands, scene, tables);
         self.buffers.record_reset(commands)?;
-        commands.barrier(&[Access::TransferWrite], &[Access::ComputeRead, Access::ComputeWrite])?;
-        self.record_emit(commands)
-    }
-
-    fn record_emit(&self, commands: &mut Commands) -> Result<()> {
         Stage::Emit.record(commands, |c| self.emit.record(c, &self.buffers))?;
-        let after = [Access::IndirectRead, Access::IndexRead, Access::GraphicsRead, Access::TransferRead];
-        commands.barrier(&[Access::ComputeWrite], &after)?;
         self.buffers.record_readback(commands)
     }
 
@@ -156,58 +149,33 @@ impl Renderer {
     /// Records the mesh stages of the prepared frame: which vertices are awake, what they are drawn as and where, which triangles.
     pub fn record_mesh(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
         keep_patches(commands, scene, tables);
-        let between = (&[Access::ComputeWrite], &[Access::ComputeRead, Access::ComputeWrite]);
         self.buffers.record_reset(commands)?;
-        commands.barrier(&[Access::TransferWrite], between.1)?;
         Stage::Select.record(commands, |c| self.select.record(c, &self.buffers))?;
-        commands.barrier(between.0, between.1)?;
         Stage::Resolve.record(commands, |c| self.resolve.record(c, &self.buffers))?;
-        commands.barrier(between.0, between.1)?;
-        self.record_emit(commands)
+        Stage::Emit.record(commands, |c| self.emit.record(c, &self.buffers))?;
+        self.buffers.record_readback(commands)
     }
 
-    /// Records the picture stages into `picture`, which is left in the layout of [`Access::ColorTarget`].
+    /// Records the picture stages into `picture`, whose contents are thrown away, and which is left as
+    /// [`Access::ColorTarget`](crate::vulkan::Access::ColorTarget).
     pub fn record_picture(&mut self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
         self.air.record(commands, &self.buffers, &self.shading)?;
         let (targets, air_tables) = (&self.targets, &self.air);
-        let (ground, depth) = (targets.ground.view(), targets.depth.view());
-        let (water, air) = (targets.water.view(), targets.scene.view());
-        for color in [ground, water, air] {
-            commands.transition(color, Access::Undefined, Access::ColorTarget)?;
-        }
-        commands.transition(depth, Access::Undefined, Access::DepthTarget)?;
-        if let Some(samples) = &targets.samples {
-            commands.transition(samples.ground.view(), Access::Undefined, Access::ColorTarget)?;
-            commands.transition(samples.depth.view(), Access::Undefined, Access::DepthTarget)?;
-        }
         Stage::Draw.record(commands, |c| self.draw.record(c, &self.buffers, scene, targets, air_tables, &self.tiles))?;
-        let edges = targets.edges.view();
-        commands.transition(edges, Access::Undefined, Access::ColorTarget)?;
-        if let Some(samples) = &targets.samples {
-            commands.transition(samples.depth.view(), Access::DepthTarget, Access::Sampled)?;
-            commands.transition(samples.ground.view(), Access::ColorTarget, Access::Sampled)?;
+        if targets.samples.is_some() {
             Stage::Edges.record(commands, |c| self.edges.record(c, targets))?;
         } else {
             targets.clear_edges(commands)?;
         }
-        commands.transition(edges, Access::ColorTarget, Access::Sampled)?;
-        commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
-        commands.transition(ground, Access::ColorTarget, Access::Sampled)?;
         Stage::Ocean
             .record(commands, |c| self.ocean.record(c, &self.buffers, scene.clouds(), targets, air_tables, &self.tiles))?;
         if look.mode == Mode::Wire {
-            commands.transition(depth, Access::Sampled, Access::DepthTarget)?;
-            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
             Stage::Lines.record(commands, |c| self.draw.record_lines(c, &self.buffers, targets))?;
-            commands.transition(depth, Access::DepthTarget, Access::Sampled)?;
         }
-        commands.transition(water, Access::ColorTarget, Access::Sampled)?;
         Stage::Sky.record(commands, |c| self.sky.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
         if self.starry && !look.mode.is_diagram() {
-            commands.barrier(&[Access::ColorTarget], &[Access::ColorTarget])?;
             Stage::Stars.record(commands, |c| self.stars.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
         }
-        commands.transition(air, Access::ColorTarget, Access::Sampled)?;
         if look.metering.is_some() {
             Stage::Meter.record(commands, |c| self.meter.record(c, &self.buffers, targets))?;
             self.metered = true;

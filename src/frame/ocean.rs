@@ -6,7 +6,7 @@ use super::targets::{Targets, SCENE_FORMAT};
 use super::tiles::Tiles;
 use crate::scene::CloudMaps;
 use crate::shaders;
-use crate::vulkan::{ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use crate::vulkan::{Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
 
 /// The stage's pipeline.
@@ -32,6 +32,11 @@ impl Ocean {
         air: &Air,
         tiles: &Tiles,
     ) -> Result<()> {
+        commands.ready(&[
+            targets.depth.view().to(Access::Sampled),
+            targets.ground.view().to(Access::Sampled),
+            targets.water.view().anew(Access::ColorTarget),
+        ])?;
         commands.begin_rendering(&[ColorTarget { view: targets.water.view(), clear: Some([0.0; 4]) }], None)?;
         let own = [
             ("Light", Resource::Storage(buffers.shading())),

@@ -4,8 +4,8 @@
 
 use crate::shaders;
 use crate::vulkan::{
-    vk, Blend, Buffer, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Memory, Resource,
-    Result, Usage, FRAMES_IN_FLIGHT,
+    vk, Access, Blend, Buffer, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Memory,
+    Resource, Result, Usage, FRAMES_IN_FLIGHT,
 };
 use font8x8::legacy::BASIC_LEGACY;
 use std::sync::Arc;
@@ -43,9 +43,8 @@ impl Overlay {
         })
     }
 
-    /// Records the stage: blends `text` into `picture`, in the layout of [`Access::ColorTarget`](crate::vulkan::Access), from its
-    /// upper left corner, each pixel of the font drawn as `scale` × `scale`. Call it once a frame: the frame before the last must
-    /// have finished.
+    /// Records the stage: blends `text` into `picture` from its upper left corner, each pixel of the font drawn as `scale` × `scale`.
+    /// Call it once a frame: the frame before the last must have finished.
     pub fn record(&mut self, commands: &mut Commands, picture: &ImageView, text: &str, scale: u32) -> Result<()> {
         let (width, height) = picture.size();
         let columns = (width / (TEXT_CELL[0] * scale)).max(1);
@@ -57,6 +56,7 @@ impl Overlay {
         self.cells[self.slot].write(0, &cells)?;
         let clip = |pixels: u32, side: u32| (2 * pixels * scale) as f32 / side as f32;
         commands.zone("overlay", |commands| {
+            commands.ready(&[picture.to(Access::ColorTarget)])?;
             commands.begin_rendering(&[ColorTarget { view: picture, clear: None }], None)?;
             commands.bind(
                 &self.pipeline,

@@ -2,7 +2,7 @@
 
 use super::buffers::FrameBuffers;
 use crate::shaders;
-use crate::vulkan::{Commands, ComputePipeline, Context, Resource, Result};
+use crate::vulkan::{Access, Commands, ComputePipeline, Context, Resource, Result};
 use std::sync::Arc;
 
 /// The stage's pipeline.
@@ -19,6 +19,7 @@ impl Resolve {
     /// Records the stage: reads `buffers.awake`, fills `buffers.resolved`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let tasks = &buffers.tasks().resolve;
+        commands.ready(&[buffers.awake.to(Access::ComputeRead), buffers.resolved.to(Access::ComputeWrite)])?;
         commands.bind(
             &self.pipeline,
             &[

@@ -2,7 +2,7 @@
 
 use super::buffers::FrameBuffers;
 use crate::shaders;
-use crate::vulkan::{Commands, ComputePipeline, Context, Resource, Result};
+use crate::vulkan::{Access, Commands, ComputePipeline, Context, Resource, Result};
 use std::sync::Arc;
 
 /// Subgroups at least this wide make a word of awake bits with one ballot; narrower ones do better with 32 vertices an
@@ -24,6 +24,7 @@ impl Select {
     /// Records the stage: fills `buffers.awake` and `buffers.places`, and counts the awake vertices.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let tasks = &buffers.tasks().select;
+        commands.ready(&[&buffers.awake, &buffers.places, &buffers.state].map(|buffer| buffer.to(Access::ComputeWrite)))?;
         commands.bind(
             &self.pipeline,
             &[

@@ -5,7 +5,7 @@ use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
 use crate::scene::CloudMaps;
 use crate::shaders;
-use crate::vulkan::{ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use crate::vulkan::{Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
 
 /// The stage's pipeline.
@@ -30,6 +30,12 @@ impl Sky {
         targets: &Targets,
         air: &Air,
     ) -> Result<()> {
+        commands.ready(&[
+            targets.depth.view().to(Access::Sampled),
+            targets.ground.view().to(Access::Sampled),
+            targets.water.view().to(Access::Sampled),
+            targets.scene.view().anew(Access::ColorTarget),
+        ])?;
         commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: Some([0.0; 4]) }], None)?;
         let own = [
             ("Light", Resource::Storage(buffers.shading())),

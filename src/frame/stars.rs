@@ -5,7 +5,7 @@ use super::buffers::FrameBuffers;
 use super::targets::{Targets, SCENE_FORMAT};
 use crate::scene::CloudMaps;
 use crate::shaders;
-use crate::vulkan::{vk, Blend, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use crate::vulkan::{vk, Access, Blend, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
 use std::sync::Arc;
 use terrane_planet::draw::layout::STARS;
 
@@ -33,6 +33,7 @@ impl Stars {
         targets: &Targets,
         air: &Air,
     ) -> Result<()> {
+        commands.ready(&[targets.depth.view().to(Access::Sampled), targets.scene.view().to(Access::ColorTarget)])?;
         commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: None }], None)?;
         let own = [
             ("Light", Resource::Storage(buffers.shading())),

@@ -1,7 +1,7 @@
 //! The images that a frame is drawn into.
 
 use crate::vulkan::{
-    vk, ColorTarget, Commands, Context, Image, ImageDescription, ImageView, Result, Sampler, SamplerDescription,
+    vk, Access, ColorTarget, Commands, Context, Image, ImageDescription, ImageView, Result, Sampler, SamplerDescription,
 };
 use std::sync::Arc;
 
@@ -79,6 +79,7 @@ impl Targets {
 
     /// No edges: in place of the stage that notes them.
     pub(super) fn clear_edges(&self, commands: &mut Commands) -> Result<()> {
+        commands.ready(&[self.edges.view().anew(Access::ColorTarget)])?;
         commands.begin_rendering(&[ColorTarget { view: self.edges.view(), clear: Some([0.0; 4]) }], None)?;
         commands.end_rendering()
     }

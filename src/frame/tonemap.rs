@@ -4,7 +4,9 @@ use super::buffers::FrameBuffers;
 use super::meter::Meter;
 use super::targets::Targets;
 use crate::shaders;
-use crate::vulkan::{vk, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Resource, Result};
+use crate::vulkan::{
+    vk, Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Resource, Result,
+};
 use std::sync::Arc;
 
 /// The stage's pipeline.
@@ -29,6 +31,12 @@ impl Tonemap {
         meter: &Meter,
         picture: &ImageView,
     ) -> Result<()> {
+        commands.ready(&[
+            meter.factor().to(Access::GraphicsRead),
+            targets.scene.view().to(Access::Sampled),
+            targets.edges.view().to(Access::Sampled),
+            picture.anew(Access::ColorTarget),
+        ])?;
         commands.begin_rendering(&[ColorTarget { view: picture, clear: Some([0.0; 4]) }], None)?;
         commands.bind(
             &self.pipeline,

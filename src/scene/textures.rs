@@ -46,9 +46,7 @@ impl TexturePool {
         let albedo = array("albedo", ALBEDO_FORMAT, side, MIP_LEVELS)?;
         let relief = array("relief", RELIEF_FORMAT, cells + 1, 1)?;
         Commands::once(context, "texture layouts", |commands| {
-            commands.transition(slopes.view(), Access::Undefined, Access::Sampled)?;
-            commands.transition(albedo.view(), Access::Undefined, Access::Sampled)?;
-            commands.transition(relief.view(), Access::Undefined, Access::Sampled)
+            commands.ready(&[&slopes, &albedo, &relief].map(|array| array.view().anew(Access::Sampled)))
         })?;
         let sampler = Sampler::new(context, "ground", &SamplerDescription::default())?;
         Ok(TexturePool { slopes, albedo, relief, sampler, free: (0..layers).rev().collect() })

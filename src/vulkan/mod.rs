@@ -17,6 +17,7 @@ mod tests;
 
 pub use ash::vk;
 
+pub use commands::accesses::Use;
 pub use commands::rendering::{ColorTarget, DepthTarget};
 pub use commands::synchronization::Access;
 pub use commands::timestamps::{Timestamps, Zone, MAX_ZONES};

@@ -2,6 +2,7 @@
 //!
 //! What is recorded is in `recording.rs` (compute, barriers), `copies.rs` and `rendering.rs` (drawing).
 
+pub(super) mod accesses;
 pub(super) mod copies;
 pub(super) mod recording;
 pub(super) mod rendering;
@@ -17,6 +18,7 @@ use ash::vk;
 use crate::vulkan::error::{api, Result, VulkanError};
 use crate::vulkan::pipelines::layout::RawPipeline;
 use crate::vulkan::Context;
+use accesses::Accesses;
 use timestamps::{Queries, Timestamps};
 
 /// How long to wait for the GPU; a frame of a software renderer takes seconds at worst. Past it: `Timeout`.
@@ -51,6 +53,7 @@ pub struct Commands {
     pub(crate) kept: Vec<Arc<dyn Any + Send + Sync>>,
     pub(crate) bound: Option<Arc<RawPipeline>>,
     pub(crate) rendering: bool,
+    accesses: Accesses,
 }
 
 impl Commands {
@@ -72,6 +75,7 @@ impl Commands {
             kept: Vec::new(),
             bound: None,
             rendering: false,
+            accesses: Accesses::default(),
         };
         commands.create()?;
         Ok(commands)
@@ -215,6 +219,7 @@ impl Commands {
         self.kept.clear();
         self.bound = None;
         self.rendering = false;
+        self.accesses.clear();
     }
 
     fn create(&mut self) -> Result<()> {

@@ -24,7 +24,8 @@ impl Commands {
         self.kept.push(object);
     }
 
-    /// Makes what `before` wrote visible to `after`, for all buffers and for images that keep their layout.
+    /// Makes what `before` wrote visible to `after`, for all buffers and for images that keep their layout. For what is reached by
+    /// address; [`ready`](Self::ready) knows the rest.
     ///
     /// # Errors
     /// Not recording, or rendering.
@@ -50,27 +51,6 @@ impl Commands {
             .dst_stage_mask(stages)
             .dst_access_mask(access)];
         self.pipeline_barrier(&vk::DependencyInfo::default().memory_barriers(&barriers))
-    }
-
-    /// Changes the layout of all parts of `view` for another access, after the one before it.
-    ///
-    /// # Errors
-    /// Not recording, or rendering.
-    pub fn transition(&mut self, view: &ImageView, before: Access, after: Access) -> Result<()> {
-        let ((from, wrote, old), (to, reads, new)) = (before.parts(), after.parts());
-        let barriers = [vk::ImageMemoryBarrier2::default()
-            .src_stage_mask(from)
-            .src_access_mask(wrote)
-            .dst_stage_mask(to)
-            .dst_access_mask(reads)
-            .old_layout(old)
-            .new_layout(new)
-            .src_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-            .dst_queue_family_index(vk::QUEUE_FAMILY_IGNORED)
-            .image(view.raw.image.handle)
-            .subresource_range(view.raw.range)];
-        self.keep_raw(view.raw.clone());
-        self.pipeline_barrier(&vk::DependencyInfo::default().image_memory_barriers(&barriers))
     }
 
     /// Labels and times what `body` records. Outside rendering only: timestamps need a barrier after them, or a dispatch
@@ -166,7 +146,7 @@ impl Commands {
         self.dispatch(workgroups.div_ceil(rows), rows, 1)
     }
 
-    fn pipeline_barrier(&mut self, dependency: &vk::DependencyInfo<'_>) -> Result<()> {
+    pub(super) fn pipeline_barrier(&mut self, dependency: &vk::DependencyInfo<'_>) -> Result<()> {
         let commands = self.outside_rendering()?;
         // SAFETY: the commands are recording outside rendering; images are kept by the caller.
         unsafe { self.context.device().cmd_pipeline_barrier2(commands, dependency) };

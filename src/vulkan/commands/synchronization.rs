@@ -5,8 +5,6 @@ use ash::vk::{AccessFlags2 as A, ImageLayout as L, PipelineStageFlags2 as S};
 /// An access to a buffer or image, before or after a barrier.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Access {
-    /// Nothing before: the contents are thrown away.
-    Undefined,
     /// Read by a copy.
     TransferRead,
     /// Written by a copy or fill.
@@ -42,8 +40,6 @@ impl Access {
         // The blanket read: it covers uniform, storage and address reads.
         let read = A::SHADER_READ;
         match self {
-            // Earlier frames may still use it, in whatever way.
-            Self::Undefined => (S::ALL_COMMANDS, A::MEMORY_WRITE, L::UNDEFINED),
             Self::TransferRead => (S::ALL_TRANSFER, A::TRANSFER_READ, L::TRANSFER_SRC_OPTIMAL),
             Self::TransferWrite => (S::ALL_TRANSFER, A::TRANSFER_WRITE, L::TRANSFER_DST_OPTIMAL),
             Self::HostRead => (S::HOST, A::HOST_READ, L::GENERAL),
@@ -62,6 +58,11 @@ impl Access {
             // The semaphore that presentation waits for makes the writes visible.
             Self::Present => (S::NONE, A::NONE, L::PRESENT_SRC_KHR),
         }
+    }
+
+    /// Whether it writes, and so has to wait for readers and writers before it.
+    pub(crate) fn writes(self) -> bool {
+        matches!(self, Self::TransferWrite | Self::ComputeWrite | Self::ColorTarget | Self::DepthTarget)
     }
 }
 

@@ -57,8 +57,7 @@ impl Scene {
     }
 
     fn record(&self, commands: &mut Commands) -> Result<()> {
-        commands.transition(self.color.view(), Access::Undefined, Access::ColorTarget)?;
-        commands.transition(self.depth.view(), Access::Undefined, Access::DepthTarget)?;
+        commands.ready(&[self.color.view().anew(Access::ColorTarget), self.depth.view().anew(Access::DepthTarget)])?;
         let color = ColorTarget { view: self.color.view(), clear: Some([0.0, 0.0, 0.0, 1.0]) };
         let depth = DepthTarget { view: self.depth.view(), clear: Some(0.0) };
         commands.zone("draw", |commands| {
@@ -140,7 +139,7 @@ fn compute_and_copies_while_rendering_are_errors() {
     let mut commands = Commands::new(&context, "rendering").unwrap();
     commands.begin().unwrap();
     let view = scene.color.view();
-    commands.transition(view, Access::Undefined, Access::ColorTarget).unwrap();
+    commands.ready(&[view.anew(Access::ColorTarget)]).unwrap();
     assert!(commands.begin_rendering(&[], None).is_err(), "no target");
     commands.begin_rendering(&[ColorTarget { view, clear: None }], None).unwrap();
     assert!(commands.zone("draw", |_| Ok(())).is_err());

@@ -53,7 +53,7 @@ fn compute_reads_a_sampled_image_and_writes_a_storage_image() {
     assert_eq!(pipeline.workgroup_size(), [8, 8, 1]);
     Commands::once(&context, "square", |commands| {
         upload.record(commands)?;
-        commands.transition(target.view(), Access::Undefined, Access::ComputeWrite)?;
+        commands.ready(&[target.view().anew(Access::ComputeWrite)])?;
         let resources =
             [("source", Resource::Sampled(source.view(), &sampler)), ("target", Resource::StorageImage(target.view()))];
         commands.bind(&pipeline, &resources)?;
@@ -86,5 +86,9 @@ fn images_past_the_limits_are_errors() {
     assert!(image.layer_view(0, 1).is_err());
     let mut upload = Upload::new(&context, 1024);
     assert!(upload.image(&image, 0, 0, &[0u8; 17]).is_err(), "too few texels");
-    assert!(capture(&context, &image, (0, 0), Access::Undefined).is_err());
+    Commands::once(&context, "unknown", |commands| {
+        assert!(commands.ready(&[image.view().to(Access::Sampled)]).is_err(), "its contents are undefined");
+        Ok(())
+    })
+    .unwrap();
 }

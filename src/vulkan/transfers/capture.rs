@@ -28,20 +28,17 @@ pub struct Captured {
 /// Reads one layer and level of an image that was last used as `access`, and leaves it ready for that again.
 ///
 /// # Errors
-/// A layer or level that does not exist, a format of unknown size, undefined contents, or device loss.
+/// A layer or level that does not exist, a format of unknown size, or device loss.
 pub fn capture(context: &Arc<Context>, image: &Image, (layer, mip): (u32, u32), access: Access) -> Result<Captured> {
-    if access == Access::Undefined {
-        let problem = "its contents are undefined".to_owned();
-        return Err(VulkanError::Access { what: image.name().to_owned(), problem });
-    }
     let bytes = image.layer_bytes(mip)?;
     let view = image.layer_view(layer, mip)?;
     let usage = Usage::TRANSFER_DST;
     let target = Buffer::new(context, "capture", bytes, usage, Memory::Readback)?;
     Commands::once(context, "capture", |commands| {
-        commands.transition(&view, access, Access::TransferRead)?;
+        commands.found(&view, access);
+        commands.ready(&[view.to(Access::TransferRead)])?;
         commands.copy_image_to_buffer(image, layer, mip, (&target, 0))?;
-        commands.transition(&view, Access::TransferRead, access)
+        commands.ready(&[view.to(access)])
     })?;
     let (width, height) = image.mip_size(mip);
     let bytes = target.read(0, bytes as usize)?;

@@ -108,9 +108,9 @@ impl Upload {
                     commands.copy_buffer(from, (buffer, *offset), copy.bytes)?;
                 }
                 Target::Layer(Layer { image, view, layer, mip }) => {
-                    commands.transition(view, Access::Undefined, Access::TransferWrite)?;
+                    commands.ready(&[view.anew(Access::TransferWrite)])?;
                     commands.copy_buffer_to_image(from, image, *layer, *mip)?;
-                    commands.transition(view, Access::TransferWrite, Access::Sampled)?;
+                    commands.ready(&[view.to(Access::Sampled)])?;
                 }
             }
         }
