@@ -1,15 +1,13 @@
 //! Stage `draw`: one indexed indirect draw of all patches, with vertex pulling, into colour and reversed-Z depth. Shaders:
 //! `draw.vert`, `draw.frag`; `wire.frag` for the mesh's edges.
 
-use super::air::Air;
 use super::buffers::FrameBuffers;
-use super::targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
-use super::tiles::Tiles;
-use crate::scene::Scene;
+use super::passed::{Drawn, Shared};
+use super::targets::{DEPTH_FORMAT, SCENE_FORMAT};
 use crate::shaders;
 use crate::vulkan::{
-    vk, Access, Blend, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource,
-    Result,
+    vk, Access, Blend, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, ImageView,
+    Resource, Result,
 };
 use std::sync::Arc;
 use terrane_planet::draw::layout::EmitState;
@@ -47,46 +45,43 @@ impl Draw {
         Ok(Draw { fill, lines })
     }
 
-    /// Records the stage: fills `targets.ground` and `targets.depth`, or their samples.
-    pub(super) fn record(
-        &self,
-        commands: &mut Commands,
-        buffers: &FrameBuffers,
-        scene: &Scene,
-        targets: &Targets,
-        air: &Air,
-        tiles: &Tiles,
-    ) -> Result<()> {
-        let (ground, depth) = targets.drawn();
-        ready_geometry(commands, buffers)?;
-        commands.ready(&[ground.anew(Access::ColorTarget), depth.anew(Access::DepthTarget)])?;
+    /// Records the stage: the lit ground and its depth.
+    pub(super) fn record<'a>(&self, commands: &mut Commands, shared: &Shared<'a>) -> Result<Drawn<'a>> {
+        let drawn = shared.targets.drawn();
+        ready_geometry(commands, shared.buffers)?;
+        commands.ready(&[drawn.color.anew(Access::ColorTarget), drawn.depth.anew(Access::DepthTarget)])?;
         commands.begin_rendering(
-            &[ColorTarget { view: ground, clear: Some([0.0; 4]) }],
-            Some(DepthTarget { view: depth, clear: Some(0.0) }),
+            &[ColorTarget { view: drawn.color, clear: Some([0.0; 4]) }],
+            Some(DepthTarget { view: drawn.depth, clear: Some(0.0) }),
         )?;
-        let (geometry, textures) = (geometry(buffers), scene.textures());
+        let (geometry, textures) = (geometry(shared.buffers), shared.scene.textures());
         let shading = [
-            ("Light", Resource::Storage(buffers.shading())),
+            shared.light(),
             ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
             ("albedo", Resource::Sampled(textures.albedo.view(), &textures.sampler)),
             ("relief", Resource::Sampled(textures.relief.view(), &textures.sampler)),
-            tiles.grain(),
+            shared.tiles.grain(),
         ];
-        commands.bind(&self.fill, &[geometry.as_slice(), &shading, &air.light(), &scene.clouds().bound()].concat())?;
-        commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
-        commands.end_rendering()
+        let (air, clouds) = (shared.air.light(), shared.scene.clouds().bound());
+        commands.bind(&self.fill, &[geometry.as_slice(), &shading, &air, &clouds].concat())?;
+        draw_mesh(commands, shared.buffers)?;
+        commands.end_rendering()?;
+        Ok(drawn)
     }
 
-    /// Records the mesh's edges over `targets.water`, hidden by `targets.depth`.
-    pub(super) fn record_lines(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
-        ready_geometry(commands, buffers)?;
-        commands.ready(&[targets.water.view().to(Access::ColorTarget), targets.depth.view().to(Access::DepthTarget)])?;
-        commands.begin_rendering(
-            &[ColorTarget { view: targets.water.view(), clear: None }],
-            Some(DepthTarget { view: targets.depth.view(), clear: None }),
-        )?;
-        commands.bind(&self.lines, &geometry(buffers))?;
-        commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)?;
+    /// Records the mesh's edges over `water`, hidden by `depth`.
+    pub(super) fn record_lines(
+        &self,
+        commands: &mut Commands,
+        shared: &Shared<'_>,
+        water: &ImageView,
+        depth: &ImageView,
+    ) -> Result<()> {
+        ready_geometry(commands, shared.buffers)?;
+        commands.ready(&[water.to(Access::ColorTarget), depth.to(Access::DepthTarget)])?;
+        commands.begin_rendering(&[ColorTarget { view: water, clear: None }], Some(DepthTarget { view: depth, clear: None }))?;
+        commands.bind(&self.lines, &geometry(shared.buffers))?;
+        draw_mesh(commands, shared.buffers)?;
         commands.end_rendering()
     }
 }
@@ -98,6 +93,11 @@ fn ready_geometry(commands: &mut Commands, buffers: &FrameBuffers) -> Result<()>
         buffers.indices.to(Access::IndexRead),
         buffers.state.to(Access::IndirectRead),
     ])
+}
+
+/// Draws the emitted triangles.
+fn draw_mesh(commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
+    commands.draw_indexed_indirect(&buffers.indices, &buffers.state, ARGUMENTS_OFFSET)
 }
 
 /// What the vertex shader reads.

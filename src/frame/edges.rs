@@ -1,9 +1,10 @@
 //! Stage `edges`: one sample of the ground a pixel from several, and where the others show something else. Shader: `edges.frag`.
 
-use super::targets::{Targets, DEPTH_FORMAT, EDGE_FORMAT, SCENE_FORMAT};
+use super::passed::{Drawn, Ground, Shared};
+use super::targets::{DEPTH_FORMAT, EDGE_FORMAT, SCENE_FORMAT};
 use crate::shaders;
 use crate::vulkan::{
-    vk, Access, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Resource, Result,
+    vk, Access, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Result,
 };
 use std::sync::Arc;
 
@@ -24,29 +25,29 @@ impl Edges {
         Ok(Edges { pipeline: GraphicsPipeline::new(context, "edges", &description)? })
     }
 
-    /// Records the stage: reads the samples, fills `targets.ground`, `targets.depth` and `targets.edges`.
-    pub(super) fn record(&self, commands: &mut Commands, targets: &Targets) -> Result<()> {
-        let Some(samples) = &targets.samples else { return Ok(()) };
-        commands.ready(&[
-            samples.ground.view().to(Access::Sampled),
-            samples.depth.view().to(Access::Sampled),
-            targets.ground.view().anew(Access::ColorTarget),
-            targets.edges.view().anew(Access::ColorTarget),
-            targets.depth.view().anew(Access::DepthTarget),
-        ])?;
-        let color = |view| ColorTarget { view, clear: Some([0.0; 4]) };
+    /// Records the stage: one sample of what was `drawn` with several.
+    pub(super) fn record<'a>(&self, commands: &mut Commands, shared: &Shared<'a>, drawn: Drawn<'a>) -> Result<Ground<'a>> {
+        let ground = shared.targets.single();
+        commands.ready(&[drawn.color, drawn.depth].map(|view| view.to(Access::Sampled)))?;
+        commands.ready(&[ground.color, ground.edges].map(|view| view.anew(Access::ColorTarget)))?;
+        commands.ready(&[ground.depth.anew(Access::DepthTarget)])?;
         commands.begin_rendering(
-            &[color(targets.ground.view()), color(targets.edges.view())],
-            Some(DepthTarget { view: targets.depth.view(), clear: Some(0.0) }),
+            &[ground.color, ground.edges].map(|view| ColorTarget { view, clear: Some([0.0; 4]) }),
+            Some(DepthTarget { view: ground.depth, clear: Some(0.0) }),
         )?;
-        commands.bind(
-            &self.pipeline,
-            &[
-                ("ground_samples", Resource::Sampled(samples.ground.view(), &targets.nearest)),
-                ("depth_samples", Resource::Sampled(samples.depth.view(), &targets.nearest)),
-            ],
-        )?;
+        let samples = [shared.pixels("ground_samples", drawn.color), shared.pixels("depth_samples", drawn.depth)];
+        commands.bind(&self.pipeline, &samples)?;
         commands.draw(3, 1)?;
-        commands.end_rendering()
+        commands.end_rendering()?;
+        Ok(ground)
+    }
+
+    /// In place of the stage where one sample a pixel was `drawn`: there are no edges.
+    pub(super) fn record_none<'a>(&self, commands: &mut Commands, shared: &Shared<'a>, drawn: Drawn<'a>) -> Result<Ground<'a>> {
+        let edges = shared.targets.edges.view();
+        commands.ready(&[edges.anew(Access::ColorTarget)])?;
+        commands.begin_rendering(&[ColorTarget { view: edges, clear: Some([0.0; 4]) }], None)?;
+        commands.end_rendering()?;
+        Ok(Ground { color: drawn.color, depth: drawn.depth, edges })
     }
 }

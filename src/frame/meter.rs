@@ -3,10 +3,9 @@
 //!
 //! Counts are whole numbers: the same picture gives the same exposure, in whatever order the GPU counts.
 
-use super::buffers::FrameBuffers;
-use super::targets::Targets;
+use super::passed::Shared;
 use crate::shaders;
-use crate::vulkan::{Access, Buffer, Commands, ComputePipeline, Context, Memory, Resource, Result, Usage};
+use crate::vulkan::{Access, Buffer, Commands, ComputePipeline, Context, ImageView, Memory, Resource, Result, Usage};
 use std::sync::Arc;
 use terrane_planet::draw::layout::{METER_BINS, METER_STRIDE};
 
@@ -34,14 +33,13 @@ impl Meter {
         })
     }
 
-    /// Records the stage: reads `targets.scene`.
-    pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers, targets: &Targets) -> Result<()> {
+    /// Records the stage: the factor on exposure that `scene` asks for.
+    pub(super) fn record<'a>(&'a self, commands: &mut Commands, shared: &Shared<'a>, scene: &'a ImageView) -> Result<&'a Buffer> {
         commands.ready(&[self.histogram.to(Access::TransferWrite)])?;
         commands.copy_buffer((&self.zeros, 0), (&self.histogram, 0), self.zeros.bytes())?;
-        commands.ready(&[self.histogram.to(Access::ComputeWrite), targets.scene.view().to(Access::Sampled)])?;
-        let scene = ("scene", Resource::Sampled(targets.scene.view(), &targets.nearest));
+        commands.ready(&[self.histogram.to(Access::ComputeWrite), scene.to(Access::Sampled)])?;
         let histogram = ("Histogram", Resource::Storage(&self.histogram));
-        commands.bind(&self.meter, &[scene, histogram])?;
+        commands.bind(&self.meter, &[shared.pixels("scene", scene), histogram])?;
         let [x, y, _] = self.meter.workgroup_size();
         commands.dispatch(targets.size.0.div_ceil(METER_STRIDE * x), targets.size.1.div_ceil(METER_STRIDE * y), 1)?;
         commands.ready(&[Access::ComputeWrite], &[Access::ComputeRead])?;

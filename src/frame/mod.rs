@@ -11,6 +11,7 @@ mod meter;
 mod ocean;
 #[cfg(feature = "app")]
 mod overlay;
+mod passed;
 mod resolve;
 mod select;
 mod shading;
@@ -38,6 +39,7 @@ use edges::Edges;
 use emit::Emit;
 use meter::Meter;
 use ocean::Ocean;
+use passed::Shared;
 use resolve::Resolve;
 use select::Select;
 use sky::Sky;
@@ -160,27 +162,28 @@ impl Renderer {
     /// [`Access::ColorTarget`](crate::vulkan::Access::ColorTarget).
     pub fn record_picture(&mut self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
         self.air.record(commands, &self.buffers, &self.shading)?;
-        let (targets, air_tables) = (&self.targets, &self.air);
-        Stage::Draw.record(commands, |c| self.draw.record(c, &self.buffers, scene, targets, air_tables, &self.tiles))?;
-        if targets.samples.is_some() {
-            Stage::Edges.record(commands, |c| self.edges.record(c, targets))?;
-        } else {
-            targets.clear_edges(commands)?;
-        }
-        Stage::Ocean
-            .record(commands, |c| self.ocean.record(c, &self.buffers, scene.clouds(), targets, air_tables, &self.tiles))?;
+        let Renderer { buffers, targets, air, tiles, .. } = &*self;
+        let shared = Shared { buffers, scene, targets, air, tiles };
+        let drawn = Stage::Draw.record(commands, |c| self.draw.record(c, &shared))?;
+        let ground = match targets.samples {
+            Some(_) => Stage::Edges.record(commands, |c| self.edges.record(c, &shared, drawn))?,
+            None => self.edges.record_none(commands, &shared, drawn)?,
+        };
+        let water = Stage::Ocean.record(commands, |c| self.ocean.record(c, &shared, ground))?;
         if look.mode == Mode::Wire {
-            Stage::Lines.record(commands, |c| self.draw.record_lines(c, &self.buffers, targets))?;
+            Stage::Lines.record(commands, |c| self.draw.record_lines(c, &shared, water, ground.depth))?;
         }
-        Stage::Sky.record(commands, |c| self.sky.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
+        let seen = Stage::Sky.record(commands, |c| self.sky.record(c, &shared, ground, water))?;
         if self.starry && !look.mode.is_diagram() {
-            Stage::Stars.record(commands, |c| self.stars.record(c, &self.buffers, scene.clouds(), targets, air_tables))?;
+            Stage::Stars.record(commands, |c| self.stars.record(c, &shared, ground.depth, seen))?;
         }
-        if look.metering.is_some() {
-            Stage::Meter.record(commands, |c| self.meter.record(c, &self.buffers, targets))?;
-            self.metered = true;
-        }
-        Stage::Tonemap.record(commands, |c| self.tonemap.record(c, &self.buffers, targets, &self.meter, picture))
+        let metered = match look.metering {
+            Some(_) => Stage::Meter.record(commands, |c| self.meter.record(c, &shared, seen))?,
+            None => self.meter.factor(),
+        };
+        Stage::Tonemap.record(commands, |c| self.tonemap.record(c, &shared, (seen, ground.edges), metered, picture))?;
+        self.metered |= look.metering.is_some();
+        Ok(())
     }
 
     /// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.

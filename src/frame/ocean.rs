@@ -1,12 +1,9 @@
 //! Stage `ocean`: the sea surface over the ground that lies under water. Shader: `ocean.frag`.
 
-use super::air::Air;
-use super::buffers::FrameBuffers;
-use super::targets::{Targets, SCENE_FORMAT};
-use super::tiles::Tiles;
-use crate::scene::CloudMaps;
+use super::passed::{Ground, Shared};
+use super::targets::SCENE_FORMAT;
 use crate::shaders;
-use crate::vulkan::{Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use crate::vulkan::{Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Result};
 use std::sync::Arc;
 
 /// The stage's pipeline.
@@ -22,30 +19,18 @@ impl Ocean {
         Ok(Ocean { pipeline: GraphicsPipeline::new(context, "ocean", &description)? })
     }
 
-    /// Records the stage: reads `targets.ground` and `targets.depth`, fills `targets.water`.
-    pub(super) fn record(
-        &self,
-        commands: &mut Commands,
-        buffers: &FrameBuffers,
-        clouds: &CloudMaps,
-        targets: &Targets,
-        air: &Air,
-        tiles: &Tiles,
-    ) -> Result<()> {
-        commands.ready(&[
-            targets.depth.view().to(Access::Sampled),
-            targets.ground.view().to(Access::Sampled),
-            targets.water.view().anew(Access::ColorTarget),
-        ])?;
-        commands.begin_rendering(&[ColorTarget { view: targets.water.view(), clear: Some([0.0; 4]) }], None)?;
-        let own = [
-            ("Light", Resource::Storage(buffers.shading())),
-            ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
-            ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
-            tiles.waves(),
-        ];
+    /// Records the stage: ground and sea, as radiance.
+    pub(super) fn record<'a>(&self, commands: &mut Commands, shared: &Shared<'a>, ground: Ground<'a>) -> Result<&'a ImageView> {
+        let water = shared.targets.water.view();
+        commands.ready(&[ground.depth, ground.color].map(|view| view.to(Access::Sampled)))?;
+        commands.ready(&[water.anew(Access::ColorTarget)])?;
+        commands.begin_rendering(&[ColorTarget { view: water, clear: Some([0.0; 4]) }], None)?;
+        let own =
+            [shared.light(), shared.pixels("depth", ground.depth), shared.pixels("ground", ground.color), shared.tiles.waves()];
+        let (air, clouds) = (shared.air, shared.scene.clouds());
         commands.bind(&self.pipeline, &[own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat())?;
         commands.draw(3, 1)?;
-        commands.end_rendering()
+        commands.end_rendering()?;
+        Ok(water)
     }
 }

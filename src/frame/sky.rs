@@ -1,11 +1,9 @@
 //! Stage `sky`: the air between the eye and everything, and what is behind it. Shader: `sky.frag`.
 
-use super::air::Air;
-use super::buffers::FrameBuffers;
-use super::targets::{Targets, SCENE_FORMAT};
-use crate::scene::CloudMaps;
+use super::passed::{Ground, Shared};
+use super::targets::SCENE_FORMAT;
 use crate::shaders;
-use crate::vulkan::{Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use crate::vulkan::{Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Resource, Result};
 use std::sync::Arc;
 
 /// The stage's pipeline.
@@ -21,31 +19,29 @@ impl Sky {
         Ok(Sky { pipeline: GraphicsPipeline::new(context, "sky", &description)? })
     }
 
-    /// Records the stage: reads `targets.water`, `targets.ground` (for its alpha) and `targets.depth`, fills `targets.scene`.
-    pub(super) fn record(
+    /// Records the stage: the whole scene but for the stars, as radiance. Alpha of the ground counts, too.
+    pub(super) fn record<'a>(
         &self,
         commands: &mut Commands,
-        buffers: &FrameBuffers,
-        clouds: &CloudMaps,
-        targets: &Targets,
-        air: &Air,
-    ) -> Result<()> {
-        commands.ready(&[
-            targets.depth.view().to(Access::Sampled),
-            targets.ground.view().to(Access::Sampled),
-            targets.water.view().to(Access::Sampled),
-            targets.scene.view().anew(Access::ColorTarget),
-        ])?;
-        commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: Some([0.0; 4]) }], None)?;
+        shared: &Shared<'a>,
+        ground: Ground<'a>,
+        water: &'a ImageView,
+    ) -> Result<&'a ImageView> {
+        let scene = shared.targets.scene.view();
+        commands.ready(&[ground.depth, ground.color, water].map(|view| view.to(Access::Sampled)))?;
+        commands.ready(&[scene.anew(Access::ColorTarget)])?;
+        commands.begin_rendering(&[ColorTarget { view: scene, clear: Some([0.0; 4]) }], None)?;
         let own = [
-            ("Light", Resource::Storage(buffers.shading())),
-            ("View", Resource::Storage(buffers.view())),
-            ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
-            ("ground", Resource::Sampled(targets.ground.view(), &targets.nearest)),
-            ("scene", Resource::Sampled(targets.water.view(), &targets.nearest)),
+            shared.light(),
+            ("View", Resource::Storage(shared.buffers.view())),
+            shared.pixels("depth", ground.depth),
+            shared.pixels("ground", ground.color),
+            shared.pixels("scene", water),
         ];
+        let (air, clouds) = (shared.air, shared.scene.clouds());
         commands.bind(&self.pipeline, &[own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat())?;
         commands.draw(3, 1)?;
-        commands.end_rendering()
+        commands.end_rendering()?;
+        Ok(scene)
     }
 }

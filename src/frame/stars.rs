@@ -1,11 +1,11 @@
 //! Stage `stars`: points of light behind everything, added to the finished sky. Shaders: `stars.vert`, `stars.frag`.
 
-use super::air::Air;
-use super::buffers::FrameBuffers;
-use super::targets::{Targets, SCENE_FORMAT};
-use crate::scene::CloudMaps;
+use super::passed::Shared;
+use super::targets::SCENE_FORMAT;
 use crate::shaders;
-use crate::vulkan::{vk, Access, Blend, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, Resource, Result};
+use crate::vulkan::{
+    vk, Access, Blend, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Result,
+};
 use std::sync::Arc;
 use terrane_planet::draw::layout::STARS;
 
@@ -24,22 +24,18 @@ impl Stars {
         Ok(Stars { pipeline: GraphicsPipeline::new(context, "stars", &description)? })
     }
 
-    /// Records the stage: adds to `targets.scene` where `targets.depth` has nothing.
-    pub(super) fn record(
+    /// Records the stage: adds to `scene` where `depth` has nothing.
+    pub(super) fn record<'a>(
         &self,
         commands: &mut Commands,
-        buffers: &FrameBuffers,
-        clouds: &CloudMaps,
-        targets: &Targets,
-        air: &Air,
+        shared: &Shared<'a>,
+        depth: &'a ImageView,
+        scene: &'a ImageView,
     ) -> Result<()> {
-        commands.ready(&[targets.depth.view().to(Access::Sampled), targets.scene.view().to(Access::ColorTarget)])?;
-        commands.begin_rendering(&[ColorTarget { view: targets.scene.view(), clear: None }], None)?;
-        let own = [
-            ("Light", Resource::Storage(buffers.shading())),
-            ("depth", Resource::Sampled(targets.depth.view(), &targets.nearest)),
-        ];
-        commands.bind(&self.pipeline, &[own.as_slice(), &air.eye(), &clouds.bound()].concat())?;
+        commands.ready(&[depth.to(Access::Sampled), scene.to(Access::ColorTarget)])?;
+        commands.begin_rendering(&[ColorTarget { view: scene, clear: None }], None)?;
+        let own = [shared.light(), shared.pixels("depth", depth)];
+        commands.bind(&self.pipeline, &[own.as_slice(), &shared.air.eye(), &shared.scene.clouds().bound()].concat())?;
         commands.draw(4, STARS)?;
         commands.end_rendering()
     }

@@ -1,8 +1,7 @@
 //! The images that a frame is drawn into.
 
-use crate::vulkan::{
-    vk, Access, ColorTarget, Commands, Context, Image, ImageDescription, ImageView, Result, Sampler, SamplerDescription,
-};
+use super::passed::{Drawn, Ground};
+use crate::vulkan::{vk, Context, Image, ImageDescription, Result, Sampler, SamplerDescription};
 use std::sync::Arc;
 
 /// Format of radiance.
@@ -69,18 +68,16 @@ impl Targets {
         })
     }
 
-    /// What the ground is drawn into: colour and depth.
-    pub(super) fn drawn(&self) -> (&ImageView, &ImageView) {
+    /// What the ground is drawn into.
+    pub(super) fn drawn(&self) -> Drawn<'_> {
         match &self.samples {
-            Some(samples) => (samples.ground.view(), samples.depth.view()),
-            None => (self.ground.view(), self.depth.view()),
+            Some(samples) => Drawn { color: samples.ground.view(), depth: samples.depth.view() },
+            None => Drawn { color: self.ground.view(), depth: self.depth.view() },
         }
     }
 
-    /// No edges: in place of the stage that notes them.
-    pub(super) fn clear_edges(&self, commands: &mut Commands) -> Result<()> {
-        commands.ready(&[self.edges.view().anew(Access::ColorTarget)])?;
-        commands.begin_rendering(&[ColorTarget { view: self.edges.view(), clear: Some([0.0; 4]) }], None)?;
-        commands.end_rendering()
+    /// What holds the ground with one sample a pixel.
+    pub(super) fn single(&self) -> Ground<'_> {
+        Ground { color: self.ground.view(), depth: self.depth.view(), edges: self.edges.view() }
     }
 }

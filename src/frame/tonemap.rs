@@ -1,11 +1,9 @@
 //! Stage `tonemap`: from radiance to 8 bits a channel. Shader: `tonemap.frag`.
 
-use super::buffers::FrameBuffers;
-use super::meter::Meter;
-use super::targets::Targets;
+use super::passed::Shared;
 use crate::shaders;
 use crate::vulkan::{
-    vk, Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Resource, Result,
+    vk, Access, Buffer, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Resource, Result,
 };
 use std::sync::Arc;
 
@@ -22,31 +20,22 @@ impl Tonemap {
         Ok(Tonemap { pipeline: GraphicsPipeline::new(context, "tonemap", &description)? })
     }
 
-    /// Records the stage: reads `targets.scene`, fills `picture`.
-    pub(super) fn record(
+    /// Records the stage: from `scene`, with the exposure that was metered, to `picture`; pixels on `edges` are mixed with their
+    /// neighbours.
+    pub(super) fn record<'a>(
         &self,
         commands: &mut Commands,
-        buffers: &FrameBuffers,
-        targets: &Targets,
-        meter: &Meter,
+        shared: &Shared<'a>,
+        (scene, edges): (&'a ImageView, &'a ImageView),
+        metered: &'a Buffer,
         picture: &ImageView,
     ) -> Result<()> {
-        commands.ready(&[
-            meter.factor().to(Access::GraphicsRead),
-            targets.scene.view().to(Access::Sampled),
-            targets.edges.view().to(Access::Sampled),
-            picture.anew(Access::ColorTarget),
-        ])?;
+        commands.ready(&[scene, edges].map(|view| view.to(Access::Sampled)))?;
+        commands.ready(&[metered.to(Access::GraphicsRead), picture.anew(Access::ColorTarget)])?;
         commands.begin_rendering(&[ColorTarget { view: picture, clear: Some([0.0; 4]) }], None)?;
-        commands.bind(
-            &self.pipeline,
-            &[
-                ("Light", Resource::Storage(buffers.shading())),
-                ("Exposure", Resource::Storage(meter.factor())),
-                ("scene", Resource::Sampled(targets.scene.view(), &targets.nearest)),
-                ("edges", Resource::Sampled(targets.edges.view(), &targets.nearest)),
-            ],
-        )?;
+        let metered = ("Exposure", Resource::Storage(metered));
+        let resources = [shared.light(), metered, shared.pixels("scene", scene), shared.pixels("edges", edges)];
+        commands.bind(&self.pipeline, &resources)?;
         commands.draw(3, 1)?;
         commands.end_rendering()
     }
