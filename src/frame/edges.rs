@@ -1,44 +1,35 @@
 //! Stage `edges`: one sample of the ground a pixel from several, and where the others show something else. Shader: `edges.frag`.
 
+use super::fullscreen::Fullscreen;
 use super::passed::{Drawn, Ground, Shared};
 use super::targets::{DEPTH_FORMAT, EDGE_FORMAT, SCENE_FORMAT};
 use crate::shaders;
-use crate::vulkan::{
-    vk, Access, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, Result,
-};
+use crate::vulkan::{vk, Access, ColorTarget, Commands, Context, DepthTest, Result};
 use std::sync::Arc;
 
-/// The stage's pipeline.
+/// The stage's pass.
 pub(super) struct Edges {
-    pipeline: GraphicsPipeline,
+    pass: Fullscreen,
 }
 
 impl Edges {
-    /// Builds the pipeline for targets of so many samples.
+    /// Builds its pipeline for targets of so many samples.
     pub(super) fn new(context: &Arc<Context>, samples: u32) -> Result<Edges> {
         let formats = [SCENE_FORMAT, EDGE_FORMAT];
-        let mut description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::EDGES_FRAG), &formats);
+        let mut description = Fullscreen::description(shaders::EDGES_FRAG, &formats);
         description.depth_format = Some(DEPTH_FORMAT);
         description.depth = Some(DepthTest { compare: vk::CompareOp::ALWAYS, write: true });
         let constants = [(0, samples)];
         description.specialization = &constants;
-        Ok(Edges { pipeline: GraphicsPipeline::new(context, "edges", &description)? })
+        Ok(Edges { pass: Fullscreen::described(context, "edges", &description)? })
     }
 
     /// Records the stage: one sample of what was `drawn` with several.
     pub(super) fn record<'a>(&self, commands: &mut Commands, shared: &Shared<'a>, drawn: Drawn<'a>) -> Result<Ground<'a>> {
         let ground = shared.targets.single();
         commands.ready(&[drawn.color, drawn.depth].map(|view| view.to(Access::Sampled)))?;
-        commands.ready(&[ground.color, ground.edges].map(|view| view.anew(Access::ColorTarget)))?;
-        commands.ready(&[ground.depth.anew(Access::DepthTarget)])?;
-        commands.begin_rendering(
-            &[ground.color, ground.edges].map(|view| ColorTarget { view, clear: Some([0.0; 4]) }),
-            Some(DepthTarget { view: ground.depth, clear: Some(0.0) }),
-        )?;
         let samples = [shared.pixels("ground_samples", drawn.color), shared.pixels("depth_samples", drawn.depth)];
-        commands.bind(&self.pipeline, &samples)?;
-        commands.draw(3, 1)?;
-        commands.end_rendering()?;
+        self.pass.record(commands, &[ground.color, ground.edges], Some(ground.depth), &samples)?;
         Ok(ground)
     }
 

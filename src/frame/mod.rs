@@ -7,6 +7,7 @@ mod buffers;
 mod draw;
 mod edges;
 mod emit;
+mod fullscreen;
 mod meter;
 mod ocean;
 #[cfg(feature = "app")]

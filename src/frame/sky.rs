@@ -1,22 +1,21 @@
 //! Stage `sky`: the air between the eye and everything, and what is behind it. Shader: `sky.frag`.
 
+use super::fullscreen::Fullscreen;
 use super::passed::{Ground, Shared};
 use super::targets::SCENE_FORMAT;
 use crate::shaders;
-use crate::vulkan::{Access, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Resource, Result};
+use crate::vulkan::{Access, Commands, Context, ImageView, Resource, Result};
 use std::sync::Arc;
 
-/// The stage's pipeline.
+/// The stage's pass.
 pub(super) struct Sky {
-    pipeline: GraphicsPipeline,
+    pass: Fullscreen,
 }
 
 impl Sky {
-    /// Builds the pipeline.
+    /// Builds its pipeline.
     pub(super) fn new(context: &Arc<Context>) -> Result<Sky> {
-        let formats = [SCENE_FORMAT];
-        let description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::SKY_FRAG), &formats);
-        Ok(Sky { pipeline: GraphicsPipeline::new(context, "sky", &description)? })
+        Ok(Sky { pass: Fullscreen::new(context, "sky", shaders::SKY_FRAG, SCENE_FORMAT)? })
     }
 
     /// Records the stage: the whole scene but for the stars, as radiance. Alpha of the ground counts, too.
@@ -29,8 +28,6 @@ impl Sky {
     ) -> Result<&'a ImageView> {
         let scene = shared.targets.scene.view();
         commands.ready(&[ground.depth, ground.color, water].map(|view| view.to(Access::Sampled)))?;
-        commands.ready(&[scene.anew(Access::ColorTarget)])?;
-        commands.begin_rendering(&[ColorTarget { view: scene, clear: Some([0.0; 4]) }], None)?;
         let own = [
             shared.light(),
             ("View", Resource::Storage(shared.buffers.view())),
@@ -39,9 +36,8 @@ impl Sky {
             shared.pixels("scene", water),
         ];
         let (air, clouds) = (shared.air, shared.scene.clouds());
-        commands.bind(&self.pipeline, &[own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat())?;
-        commands.draw(3, 1)?;
-        commands.end_rendering()?;
+        let resources = [own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat();
+        self.pass.record(commands, &[scene], None, &resources)?;
         Ok(scene)
     }
 }

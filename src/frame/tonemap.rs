@@ -1,23 +1,20 @@
 //! Stage `tonemap`: from radiance to 8 bits a channel. Shader: `tonemap.frag`.
 
+use super::fullscreen::Fullscreen;
 use super::passed::Shared;
 use crate::shaders;
-use crate::vulkan::{
-    vk, Access, Buffer, ColorTarget, Commands, Context, GraphicsDescription, GraphicsPipeline, ImageView, Resource, Result,
-};
+use crate::vulkan::{vk, Access, Buffer, Commands, Context, ImageView, Resource, Result};
 use std::sync::Arc;
 
-/// The stage's pipeline.
+/// The stage's pass.
 pub(super) struct Tonemap {
-    pipeline: GraphicsPipeline,
+    pass: Fullscreen,
 }
 
 impl Tonemap {
-    /// Builds the pipeline for pictures of a format (an UNORM one: the shader encodes sRGB itself).
+    /// Builds its pipeline for pictures of a format (an UNORM one: the shader encodes sRGB itself).
     pub(super) fn new(context: &Arc<Context>, format: vk::Format) -> Result<Tonemap> {
-        let formats = [format];
-        let description = GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(shaders::TONEMAP_FRAG), &formats);
-        Ok(Tonemap { pipeline: GraphicsPipeline::new(context, "tonemap", &description)? })
+        Ok(Tonemap { pass: Fullscreen::new(context, "tonemap", shaders::TONEMAP_FRAG, format)? })
     }
 
     /// Records the stage: from `scene`, with the exposure that was metered, to `picture`; pixels on `edges` are mixed with their
@@ -31,12 +28,9 @@ impl Tonemap {
         picture: &ImageView,
     ) -> Result<()> {
         commands.ready(&[scene, edges].map(|view| view.to(Access::Sampled)))?;
-        commands.ready(&[metered.to(Access::GraphicsRead), picture.anew(Access::ColorTarget)])?;
-        commands.begin_rendering(&[ColorTarget { view: picture, clear: Some([0.0; 4]) }], None)?;
+        commands.ready(&[metered.to(Access::GraphicsRead)])?;
         let metered = ("Exposure", Resource::Storage(metered));
         let resources = [shared.light(), metered, shared.pixels("scene", scene), shared.pixels("edges", edges)];
-        commands.bind(&self.pipeline, &resources)?;
-        commands.draw(3, 1)?;
-        commands.end_rendering()
+        self.pass.record(commands, &[picture], None, &resources)
     }
 }
