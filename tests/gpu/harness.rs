@@ -1,67 +1,20 @@
-//! A device that must stay silent, and a small planet to draw.
+//! Small planets to draw, on a device that must stay silent.
 
+pub(crate) use crate::checked::{device, device_with};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
+use std::sync::{Arc, OnceLock};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::verify::Verifier;
-use terrane::vulkan::{Context, ContextOptions, MessageLog};
+use terrane::vulkan::Context;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::store::PlanetFile;
 use terrane_planet::store::Region;
-
-/// One device at a time: several software devices at once only slow each other down.
-static DEVICE: Mutex<()> = Mutex::new(());
-
-/// A context that fails the test if validation has said anything by the time it is dropped.
-pub(crate) struct Checked {
-    context: Option<Arc<Context>>,
-    log: Arc<MessageLog>,
-    _device: MutexGuard<'static, ()>,
-}
-
-impl std::ops::Deref for Checked {
-    type Target = Arc<Context>;
-
-    fn deref(&self) -> &Arc<Context> {
-        self.context.as_ref().expect("the context is dropped last")
-    }
-}
-
-impl Drop for Checked {
-    fn drop(&mut self) {
-        // Destruction is validated too.
-        self.context = None;
-        let messages = self.log.take();
-        if !std::thread::panicking() {
-            assert!(messages.is_empty(), "validation: {messages:#?}");
-        }
-    }
-}
-
-/// The device to test on; none prints "skipped", or fails where `TERRANE_REQUIRE_GPU=1`.
-pub(crate) fn device() -> Option<Checked> {
-    device_with(None)
-}
-
-/// The device, drawing with so many samples a pixel.
-pub(crate) fn device_with(samples: Option<u32>) -> Option<Checked> {
-    let guard = DEVICE.lock().unwrap_or_else(PoisonError::into_inner);
-    match Context::new(&ContextOptions { validation: true, samples, ..ContextOptions::default() }) {
-        Ok(context) => Some(Checked { log: context.message_log(), context: Some(context), _device: guard }),
-        Err(error) => {
-            let required = std::env::var("TERRANE_REQUIRE_GPU").is_ok_and(|value| value == "1");
-            assert!(!required, "no device: {error}");
-            println!("skipped: {error}");
-            None
-        }
-    }
-}
 
 /// Bakes a recipe of the planet crate, with some text after it, into a temporary file.
 fn baked(name: &str, more: &str, levels: u8, region: Option<Region>) -> (tempfile::TempDir, PathBuf) {

@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
 mod air;
+mod checked;
 mod clouds;
 mod edges;
 mod exposure;
@@ -14,3 +15,6 @@ mod on_demand;
 mod overflow;
 mod stills;
 mod twins;
+
+// Where `checked` looks for it, here and in the unit tests of the layer.
+use terrane::vulkan;
