@@ -1,20 +1,20 @@
-//! What was used latest of things that belong to patches.
+//! An LRU cache of things that belong to patches.
 
 use super::patch::PatchId;
 use std::collections::HashMap;
 
-/// Things of up to so many patches. Past that the half unused for longest goes.
-pub(crate) struct Recent<T> {
+/// Things of up to so many patches. Past that the least recently used half goes.
+pub(crate) struct PatchCache<T> {
     /// Each with the time of its latest use.
     kept: HashMap<PatchId, (T, u64)>,
     clock: u64,
     most: usize,
 }
 
-impl<T: Clone> Recent<T> {
+impl<T: Clone> PatchCache<T> {
     /// Nothing yet, and room for `most`.
-    pub(crate) fn new(most: usize) -> Recent<T> {
-        Recent { kept: HashMap::new(), clock: 0, most }
+    pub(crate) fn new(most: usize) -> PatchCache<T> {
+        PatchCache { kept: HashMap::new(), clock: 0, most }
     }
 
     /// What is kept of a patch; it counts as used.

@@ -7,7 +7,7 @@
 
 use super::{Ground, WarpedGrid};
 use crate::globe::patch::PatchId;
-use crate::globe::patch_cache::Recent;
+use crate::globe::patch_cache::PatchCache;
 use glam::DVec3;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -79,12 +79,12 @@ impl WideGrid {
 
 /// Heights around patches, those used latest kept: siblings share all their ancestors.
 pub struct WideGrids {
-    kept: Mutex<Recent<Arc<WideGrid>>>,
+    kept: Mutex<PatchCache<Arc<WideGrid>>>,
 }
 
 impl Default for WideGrids {
     fn default() -> WideGrids {
-        WideGrids { kept: Mutex::new(Recent::new(MOST_GRIDS)) }
+        WideGrids { kept: Mutex::new(PatchCache::new(MOST_GRIDS)) }
     }
 }
 
@@ -100,7 +100,7 @@ impl WideGrids {
         grid
     }
 
-    fn lock(&self) -> MutexGuard<'_, Recent<Arc<WideGrid>>> {
+    fn lock(&self) -> MutexGuard<'_, PatchCache<Arc<WideGrid>>> {
         self.kept.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

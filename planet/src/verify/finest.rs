@@ -6,7 +6,7 @@ use crate::draw::cut::finest_cut;
 use crate::draw::tree::PatchTree;
 use crate::globe::lattice::{Lattice, LatticeBox};
 use crate::globe::patch::PatchId;
-use crate::globe::patch_cache::Recent;
+use crate::globe::patch_cache::PatchCache;
 use crate::mesh::progressive::PatchMesh;
 use crate::query::rays::box_tree::BoxTree;
 use crate::query::rays::patch_surface::grouped_grid;
@@ -24,7 +24,7 @@ pub type Source = Box<dyn FnMut(PatchId) -> Result<PatchMesh, StoreError> + Send
 
 struct Kept {
     source: Source,
-    grids: Recent<Arc<PatchSurface>>,
+    grids: PatchCache<Arc<PatchSurface>>,
 }
 
 /// Full grids of patches, shared by all views.
@@ -37,7 +37,7 @@ pub struct GridCache {
 impl GridCache {
     /// Grids of a planet; `source` reads a patch.
     pub fn new(tree: &PatchTree, source: Source) -> GridCache {
-        let kept = Kept { source, grids: Recent::new(MOST_GRIDS) };
+        let kept = Kept { source, grids: PatchCache::new(MOST_GRIDS) };
         GridCache { kept: Mutex::new(kept), lattice: tree.lattice, triangles: grouped_grid(tree.cells) }
     }
 
