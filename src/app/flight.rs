@@ -208,7 +208,7 @@ impl Flight {
             altitude_m: self.viewer.altitude(&DrawnSurface::of_scene(&self.scene)),
             counters: self.counters,
             patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
-            awaited: self.scene.awaited(),
+            pending: self.scene.pending(),
             allocated: self.context.allocated_bytes(),
             bytes: [self.scene.gpu_bytes(), self.scene.host_bytes()],
             device: &self.context.device_info().name,

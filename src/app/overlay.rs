@@ -29,7 +29,7 @@ pub(super) struct Status<'a> {
     /// Patches drawn.
     pub(super) patches: usize,
     /// Patches asked for that are not there yet.
-    pub(super) awaited: usize,
+    pub(super) pending: usize,
     /// Bytes that patches take on the GPU, and in main memory; of each also the most they may take.
     pub(super) bytes: [(u64, u64); 2],
     /// Bytes of everything on the GPU.
@@ -68,7 +68,7 @@ impl Overlay {
             count(status.counters.wanted),
             count(status.counters.awake),
             status.patches,
-            status.awaited,
+            status.pending,
             megabytes(status.bytes[0]),
             status.allocated / 1_000_000,
             megabytes(status.bytes[1]),

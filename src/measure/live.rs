@@ -36,7 +36,7 @@ pub struct LiveFrame {
     /// Patches on the GPU.
     pub resident: usize,
     /// Patches asked for that were not there yet.
-    pub awaited: usize,
+    pub pending: usize,
     /// Bytes of patches on the GPU.
     pub gpu_bytes: u64,
     /// Bytes of everything on the GPU.
@@ -116,7 +116,7 @@ impl<'a> LiveFlight<'a> {
             triangles: report.counters.wanted.min(report.counters.capacity),
             patches: report.tables.patches.len(),
             resident: self.scene.resident_count(),
-            awaited: self.scene.awaited(),
+            pending: self.scene.pending(),
             gpu_bytes: self.scene.gpu_bytes().0,
             allocated_bytes: self.context.allocated_bytes(),
             lifted_m: lifted.position.distance(camera.position),

@@ -31,25 +31,25 @@ pub(super) struct Loaded {
 
 /// What a worker is asked for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Wish {
+pub(super) enum Request {
     /// A whole patch.
     Patch,
     /// Only what its relief leaves of the light, for a patch that is on the GPU.
     Light,
 }
 
-/// What a worker brings.
-pub(super) enum Brought {
+/// What a worker answers.
+pub(super) enum Response {
     Patch(Box<Loaded>),
     Light(PatchId, Relief),
 }
 
-type Arrival = (PatchId, Result<Brought, StoreError>);
+type Arrival = (PatchId, Result<Response, StoreError>);
 
 #[derive(Default)]
 struct Queue {
-    /// Wanted patches, the most urgent last.
-    wanted: Vec<(PatchId, Wish, f64)>,
+    /// Requests that no worker has taken, the most urgent last.
+    requests: Vec<(PatchId, Request, f64)>,
     /// Taken by a worker, or arrived and not yet fetched.
     under_way: HashSet<PatchId>,
     closed: bool,
@@ -84,26 +84,26 @@ impl Loader {
         Ok(Loader { shared, arrivals, workers, most_under_way })
     }
 
-    /// Replaces the wishes (each with its urgency, smaller is more urgent).
-    pub(super) fn request(&self, mut wanted: Vec<(PatchId, Wish, f64)>) {
+    /// Replaces the requests (each with its urgency, smaller is more urgent).
+    pub(super) fn request(&self, mut requests: Vec<(PatchId, Request, f64)>) {
         let mut queue = self.shared.lock();
-        wanted.sort_unstable_by(|a, b| b.2.total_cmp(&a.2).then(b.0.cmp(&a.0)));
-        wanted.dedup_by_key(|w| w.0);
-        wanted.retain(|w| !queue.under_way.contains(&w.0));
-        queue.wanted = wanted;
+        requests.sort_unstable_by(|a, b| b.2.total_cmp(&a.2).then(b.0.cmp(&a.0)));
+        requests.dedup_by_key(|request| request.0);
+        requests.retain(|request| !queue.under_way.contains(&request.0));
+        queue.requests = requests;
         self.shared.changed.notify_all();
     }
 
     /// Up to `most` patches that have arrived, without waiting.
-    pub(super) fn take(&self, most: usize) -> Result<Vec<Brought>, SceneError> {
+    pub(super) fn take(&self, most: usize) -> Result<Vec<Response>, SceneError> {
         self.arrivals.try_iter().take(most).map(|arrival| self.accept(arrival)).collect()
     }
 
     /// Waits until something arrives and returns all that has; nothing after `limit`, or if nothing is under way.
-    pub(super) fn wait(&self, limit: Duration) -> Result<Vec<Brought>, SceneError> {
+    pub(super) fn wait(&self, limit: Duration) -> Result<Vec<Response>, SceneError> {
         let idle = {
             let queue = self.shared.lock();
-            queue.wanted.is_empty() && queue.under_way.is_empty()
+            queue.requests.is_empty() && queue.under_way.is_empty()
         };
         if idle {
             return Ok(Vec::new());
@@ -124,13 +124,13 @@ impl Loader {
         self.shared.lock().under_way.len()
     }
 
-    /// Patches that are wanted or under way.
-    pub(super) fn awaited(&self) -> usize {
+    /// Patches that are asked for or under way.
+    pub(super) fn pending(&self) -> usize {
         let queue = self.shared.lock();
-        queue.wanted.len() + queue.under_way.len()
+        queue.requests.len() + queue.under_way.len()
     }
 
-    fn accept(&self, (id, result): Arrival) -> Result<Brought, SceneError> {
+    fn accept(&self, (id, result): Arrival) -> Result<Response, SceneError> {
         self.shared.lock().under_way.remove(&id);
         self.shared.changed.notify_one();
         Ok(result?)
@@ -154,16 +154,16 @@ impl Shared {
     }
 
     /// The next patch to load; `None` when the loader is gone.
-    fn next(&self) -> Option<(PatchId, Wish)> {
+    fn next(&self) -> Option<(PatchId, Request)> {
         let mut queue = self.lock();
         loop {
             if queue.closed {
                 return None;
             }
             if queue.under_way.len() < self.most_under_way {
-                if let Some((id, wish, _)) = queue.wanted.pop() {
+                if let Some((id, request, _)) = queue.requests.pop() {
                     queue.under_way.insert(id);
-                    return Some((id, wish));
+                    return Some((id, request));
                 }
             }
             queue = self.changed.wait(queue).unwrap_or_else(PoisonError::into_inner);
@@ -179,12 +179,12 @@ struct Worker {
 
 impl Worker {
     fn run(self) {
-        while let Some((id, wish)) = self.shared.next() {
-            let brought = match wish {
-                Wish::Patch => self.source.load(id).map(|loaded| Brought::Patch(Box::new(loaded))),
-                Wish::Light => Ok(Brought::Light(id, self.source.relief(id))),
+        while let Some((id, request)) = self.shared.next() {
+            let response = match request {
+                Request::Patch => self.source.load(id).map(|loaded| Response::Patch(Box::new(loaded))),
+                Request::Light => Ok(Response::Light(id, self.source.relief(id))),
             };
-            if self.sender.send((id, brought)).is_err() {
+            if self.sender.send((id, response)).is_err() {
                 return;
             }
         }

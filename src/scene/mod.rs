@@ -22,7 +22,7 @@ pub use textures::TexturePool;
 use crate::vulkan::{Commands, Context, Upload, VulkanError};
 use glam::DVec3;
 use keeper::Keeper;
-use loader::{Brought, Loaded, Loader, Wish};
+use loader::{Loaded, Loader, Request, Response};
 use options::Budget;
 use source::{Source, Sun, Tally};
 use std::collections::HashMap;
@@ -146,7 +146,7 @@ impl Scene {
             })
         })?;
         // The workers read the first patches while the clouds are made.
-        loader.request(PatchId::roots().map(|id| (id, Wish::Patch, 0.0)).collect());
+        loader.request(PatchId::roots().map(|id| (id, Request::Patch, 0.0)).collect());
         let clouds = CloudMaps::new(context, &planet.recipe, options.textures)?;
         let mut scene = Scene {
             context: context.clone(),
@@ -225,8 +225,8 @@ impl Scene {
     }
 
     /// Patches asked for, and not yet on the GPU.
-    pub fn awaited(&self) -> usize {
-        self.loader.awaited()
+    pub fn pending(&self) -> usize {
+        self.loader.pending()
     }
 
     /// How the patches were come by.
@@ -306,7 +306,7 @@ impl Scene {
         self.settle_showing(view, &mut |_, _| ())
     }
 
-    /// [`Scene::settle`], telling now and then how many patches are on the GPU, and how many more are asked for so far.
+    /// [`Scene::settle`], telling now and then how many patches are on the GPU, and how many more are pending so far.
     pub fn settle_showing(&mut self, view: &View, show: &mut dyn FnMut(usize, usize)) -> Result<Cut, SceneError> {
         self.full_at = None;
         loop {
@@ -317,7 +317,7 @@ impl Scene {
                 }
                 return Ok(cut);
             }
-            show(self.resident.len(), self.loader.awaited());
+            show(self.resident.len(), self.loader.pending());
             let arrived = self.loader.wait(Duration::from_secs(60))?;
             self.upload(arrived)?;
         }
@@ -345,26 +345,27 @@ impl Scene {
     }
 
     fn request(&mut self, cut: &Cut, stale: &[PatchId]) {
-        let children =
-            |&(id, urgency): &(PatchId, f64)| id.children().into_iter().flatten().map(move |child| (child, Wish::Patch, urgency));
+        let children = |&(id, urgency): &(PatchId, f64)| {
+            id.children().into_iter().flatten().map(move |child| (child, Request::Patch, urgency))
+        };
         // What was just turned away would be again: it is not read and decoded anew for every frame.
         let turned_away = self.full_at.is_some_and(|at| self.frame < at + PATIENCE);
         let wanted: &[_] = if turned_away { &[] } else { &cut.wanted };
         let missing = wanted.iter().flat_map(children).filter(|(id, ..)| !self.resident.contains_key(id));
         // Shape before light.
-        self.loader.request(missing.chain(stale.iter().map(|&id| (id, Wish::Light, f64::MAX))).collect());
+        self.loader.request(missing.chain(stale.iter().map(|&id| (id, Request::Light, f64::MAX))).collect());
     }
 
-    fn upload(&mut self, arrived: Vec<Brought>) -> Result<(), SceneError> {
+    fn upload(&mut self, arrived: Vec<Response>) -> Result<(), SceneError> {
         Ok(self.stage(arrived)?.finish()?)
     }
 
-    fn stage(&mut self, arrived: Vec<Brought>) -> Result<Upload, SceneError> {
+    fn stage(&mut self, arrived: Vec<Response>) -> Result<Upload, SceneError> {
         let mut upload = Upload::new(&self.context, UPLOAD_CHUNK);
-        for brought in arrived {
-            match brought {
-                Brought::Patch(loaded) => self.stage_patch(*loaded, &mut upload)?,
-                Brought::Light(id, relief) => {
+        for response in arrived {
+            match response {
+                Response::Patch(loaded) => self.stage_patch(*loaded, &mut upload)?,
+                Response::Light(id, relief) => {
                     let Some(patch) = self.resident.get_mut(&id) else { continue };
                     let Some(layer) = patch.layer else { continue };
                     patch.sun = relief.sun;

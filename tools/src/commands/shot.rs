@@ -52,7 +52,7 @@ impl Run for Shot {
         let look = self.draw.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
         let waiting = Report::counting("patches", "so far");
-        let cut = scene.settle_showing(&view, &mut |there, to_come| waiting.step(there, there + to_come, begun.elapsed()))?;
+        let cut = scene.settle_showing(&view, &mut |there, pending| waiting.step(there, there + pending, begun.elapsed()))?;
         waiting.finish();
         let mut studio = Studio::new(&context, camera.size, self.still.options(format))?;
         let settled = Instant::now();

@@ -138,7 +138,7 @@ impl Flight {
         let row = |(stand, f, faults): &(Keyframe, LiveFrame, LiveFaults)| {
             json!({
                 "time_s": stand.time_s, "altitude_m": stand.altitude_m, "update_ms": f.update_ms, "frame_ms": f.frame_ms,
-                "triangles": f.triangles, "patches": f.patches, "resident_patches": f.resident, "awaited_patches": f.awaited,
+                "triangles": f.triangles, "patches": f.patches, "resident_patches": f.resident, "awaited_patches": f.pending,
                 "gpu_bytes": f.gpu_bytes, "lifted_m": f.lifted_m, "settled": f.settled,
                 "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,
             })
