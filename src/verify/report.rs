@@ -55,7 +55,7 @@ counts! {
     }
 }
 
-/// What one view showed.
+/// What one view showed, or several together.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ViewReport {
     /// Patches drawn.
@@ -80,49 +80,22 @@ pub struct ViewReport {
     pub mismatches: Mismatches,
 }
 
-/// What all views showed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct VerifyReport {
-    /// Views checked.
-    pub views: usize,
-    /// Patches drawn in all views.
-    pub patches: usize,
-    /// Triangles emitted without culling in all views.
-    pub triangles: usize,
-    /// Triangles emitted without culling in one view, at most.
-    pub most_triangles: usize,
-    /// Triangles emitted with culling in all views.
-    pub triangles_after_culling: usize,
-    /// Directed edges that nothing cancels.
-    pub cracks: usize,
-    /// Faults away from the rim of the data.
-    pub faults: MeshFaults,
-    /// Faults of patches at the rim of the data, where closure is not promised.
-    pub faults_at_data_rim: MeshFaults,
-    /// Drawn patches whose hierarchy does not replay.
-    pub broken_hierarchies: usize,
-    /// Triangles that did not fit the index buffer.
-    pub dropped: usize,
-    /// Differences between GPU and CPU.
-    pub mismatches: Mismatches,
+impl AddAssign<&ViewReport> for ViewReport {
+    fn add_assign(&mut self, other: &ViewReport) {
+        self.patches += other.patches;
+        self.triangles += other.triangles;
+        self.triangles_after_culling += other.triangles_after_culling;
+        self.awake_vertices += other.awake_vertices;
+        self.cracks += other.cracks;
+        self.faults += other.faults;
+        self.faults_at_data_rim += other.faults_at_data_rim;
+        self.broken_hierarchies += other.broken_hierarchies;
+        self.dropped += other.dropped;
+        self.mismatches += other.mismatches;
+    }
 }
 
-impl VerifyReport {
-    /// Adds a view.
-    pub fn add(&mut self, view: &ViewReport) {
-        self.views += 1;
-        self.patches += view.patches;
-        self.triangles += view.triangles;
-        self.most_triangles = self.most_triangles.max(view.triangles);
-        self.triangles_after_culling += view.triangles_after_culling;
-        self.cracks += view.cracks;
-        self.broken_hierarchies += view.broken_hierarchies;
-        self.dropped += view.dropped;
-        self.mismatches += view.mismatches;
-        self.faults += view.faults;
-        self.faults_at_data_rim += view.faults_at_data_rim;
-    }
-
+impl ViewReport {
     /// What breaks a promise, in words; nothing if all is well.
     pub fn broken_promises(&self) -> Vec<String> {
         let promises = [
@@ -135,5 +108,25 @@ impl VerifyReport {
             (self.faults.closure_violations, "breaches of closure"),
         ];
         promises.iter().filter(|(count, _)| *count > 0).map(|(count, what)| format!("{count} {what}")).collect()
+    }
+}
+
+/// What all views showed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct VerifyReport {
+    /// Views checked.
+    pub views: usize,
+    /// What they showed together.
+    pub sum: ViewReport,
+    /// Triangles emitted without culling in one view, at most.
+    pub most_triangles: usize,
+}
+
+impl VerifyReport {
+    /// Adds a view.
+    pub fn add(&mut self, view: &ViewReport) {
+        self.views += 1;
+        self.sum += view;
+        self.most_triangles = self.most_triangles.max(view.triangles);
     }
 }

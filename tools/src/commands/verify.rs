@@ -101,7 +101,7 @@ impl Run for Verify {
             print(&report, &errors, seconds);
         }
         self.gpu.report_messages(&context)?;
-        let promises = [report.broken_promises(), errors.broken_promises()].concat();
+        let promises = [report.sum.broken_promises(), errors.broken_promises()].concat();
         if !promises.is_empty() {
             bail!("{}: {}", self.file.display(), promises.join(", "));
         }
@@ -121,15 +121,16 @@ impl Verify {
 }
 
 fn summary(r: &VerifyReport, errors: &ScreenErrors, gpu: &GpuInfo, built: u64, seconds: f64) -> Value {
-    let m = &r.mismatches;
+    let sum = &r.sum;
+    let m = &sum.mismatches;
     let worst = errors.worst();
     json!({
-        "views": r.views, "patches_built": built, "patches": r.patches, "triangles": r.triangles,
-        "most_triangles": r.most_triangles, "triangles_after_culling": r.triangles_after_culling, "cracks": r.cracks,
-        "flipped": r.faults.flipped, "degenerate": r.faults.degenerate, "closure_violations": r.faults.closure_violations,
-        "flipped_at_data_rim": r.faults_at_data_rim.flipped, "degenerate_at_data_rim": r.faults_at_data_rim.degenerate,
-        "closure_violations_at_data_rim": r.faults_at_data_rim.closure_violations,
-        "broken_hierarchies": r.broken_hierarchies, "dropped_triangles": r.dropped, "gpu_cpu_mismatches": m.total(),
+        "views": r.views, "patches_built": built, "patches": sum.patches, "triangles": sum.triangles,
+        "most_triangles": r.most_triangles, "triangles_after_culling": sum.triangles_after_culling, "cracks": sum.cracks,
+        "flipped": sum.faults.flipped, "degenerate": sum.faults.degenerate, "closure_violations": sum.faults.closure_violations,
+        "flipped_at_data_rim": sum.faults_at_data_rim.flipped, "degenerate_at_data_rim": sum.faults_at_data_rim.degenerate,
+        "closure_violations_at_data_rim": sum.faults_at_data_rim.closure_violations,
+        "broken_hierarchies": sum.broken_hierarchies, "dropped_triangles": sum.dropped, "gpu_cpu_mismatches": m.total(),
         "mismatches": { "patches": m.patches, "awake": m.awake, "places": m.places, "resolved": m.resolved, "triangles": m.triangles,
             "culled_triangles": m.culled_triangles, "counters": m.counters },
         "tolerance_px": worst.map(|t| t.tolerance), "screen_error_px": worst.map(|t| percentiles(&t.error.readings)),
@@ -184,9 +185,10 @@ fn describe_worst(t: &ToleranceErrors) {
 
 fn print(r: &VerifyReport, errors: &ScreenErrors, seconds: f64) {
     println!("{} views in {seconds:.0} s", r.views);
-    println!("{} patches, {} triangles, at most {} in a view", r.patches, r.triangles, r.most_triangles);
-    println!("{} cracks, {} differences between GPU and CPU", r.cracks, r.mismatches.total());
-    for (where_, faults) in [("everywhere else", r.faults), ("at the rim of the data", r.faults_at_data_rim)] {
+    let sum = &r.sum;
+    println!("{} patches, {} triangles, at most {} in a view", sum.patches, sum.triangles, r.most_triangles);
+    println!("{} cracks, {} differences between GPU and CPU", sum.cracks, sum.mismatches.total());
+    for (where_, faults) in [("everywhere else", sum.faults), ("at the rim of the data", sum.faults_at_data_rim)] {
         let (flipped, degenerate, closure) = (faults.flipped, faults.degenerate, faults.closure_violations);
         println!("  {where_}: {flipped} flipped, {degenerate} without area, {closure} breaches of closure");
     }
@@ -216,9 +218,7 @@ impl Progress {
     }
 
     fn show(&self, k: usize, view: &View, seen: &ViewReport, error: f64, begun: Instant) {
-        let mut alone = VerifyReport::default();
-        alone.add(seen);
-        let faults = alone.broken_promises().join(", ");
+        let faults = seen.broken_promises().join(", ");
         let eye = view.camera.position;
         let place = format!("camera {} {} {} m, {} px", eye.x, eye.y, eye.z, view.tolerance);
         match &self.bar {
