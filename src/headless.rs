@@ -60,12 +60,7 @@ impl Headless {
 
     /// Draws one frame and waits for it.
     pub fn render(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<FrameReport, SceneError> {
-        let begun = Instant::now();
-        let tables = self.renderer.prepare(scene, view, cut, look, false)?;
-        let tables_ms = milliseconds_since(begun);
-        let begun = Instant::now();
-        self.commands.begin()?;
-        self.renderer.record_mesh(&mut self.commands, scene, &tables)?;
+        let (tables, tables_ms, begun) = self.begin_mesh(scene, view, cut, look, false)?;
         self.renderer.record_picture(&mut self.commands, scene, look, self.picture.view())?;
         let record_ms = milliseconds_since(begun);
         let times = self.commands.submit_and_wait()?;
@@ -112,15 +107,28 @@ impl Headless {
     }
 
     fn select(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look, whole: bool) -> Result<FrameReport, SceneError> {
+        let (tables, tables_ms, begun) = self.begin_mesh(scene, view, cut, look, whole)?;
+        let record_ms = milliseconds_since(begun);
+        let times = self.commands.submit_and_wait()?;
+        Ok(FrameReport { times, counters: self.renderer.counters()?, tables, tables_ms, record_ms })
+    }
+
+    /// Prepares a frame, and records its mesh stages. The tables, the milliseconds that they took, and when recording began.
+    fn begin_mesh(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        cut: &Cut,
+        look: &Look,
+        whole: bool,
+    ) -> Result<(FrameTables, f64, Instant), SceneError> {
         let begun = Instant::now();
         let tables = self.renderer.prepare(scene, view, cut, look, whole)?;
         let tables_ms = milliseconds_since(begun);
         let begun = Instant::now();
         self.commands.begin()?;
         self.renderer.record_mesh(&mut self.commands, scene, &tables)?;
-        let record_ms = milliseconds_since(begun);
-        let times = self.commands.submit_and_wait()?;
-        Ok(FrameReport { times, counters: self.renderer.counters()?, tables, tables_ms, record_ms })
+        Ok((tables, tables_ms, begun))
     }
 
     /// Reads back what the mesh stages of the latest frame wrote; `report` is that frame's.
