@@ -57,21 +57,33 @@ impl Lattice {
 
     /// Calls `visit` with every lane and its noise.
     #[inline(always)]
-    pub(crate) fn noise(&self, p: &Points, visit: impl FnMut(usize, f32)) {
-        self.visit(p, Noise(visit));
+    pub(crate) fn noise(&self, p: &Points, mut visit: impl FnMut(usize, f32)) {
+        let mut noise = [0.0; LANES];
+        chunk_noise(self, p, &mut noise);
+        for i in 0..LANES {
+            visit(i, noise[i]);
+        }
     }
 
     /// Calls `visit` with every lane, its noise, and how much that grows in one cell along each of the planet's axes.
     #[inline(always)]
-    pub(crate) fn noise_and_slope(&self, p: &Points, visit: impl FnMut(usize, f32, [f32; 3])) {
-        self.visit(p, NoiseAndSlope { rows: self.rows(), visit });
+    pub(crate) fn noise_and_slope(&self, p: &Points, mut visit: impl FnMut(usize, f32, [f32; 3])) {
+        let (mut noise, mut slope) = ([0.0; LANES], [[0.0; LANES]; 3]);
+        chunk_noise_and_slope(self, p, &mut noise, &mut slope);
+        for i in 0..LANES {
+            visit(i, noise[i], axes(|k| slope[k][i]));
+        }
     }
 
     /// Calls `visit` with every lane and the cosine and sine of waves that differ from cell to cell, blended. `waves` says for each
     /// lane how many crests there are in one cell along each of the planet's axes.
     #[inline(always)]
-    pub(crate) fn waves(&self, p: &Points, waves: &[Lane; 3], visit: impl FnMut(usize, f32, f32)) {
-        self.visit(p, Waves { rows: self.rows(), waves, visit });
+    pub(crate) fn waves(&self, p: &Points, waves: &[Lane; 3], mut visit: impl FnMut(usize, f32, f32)) {
+        let [mut cosine, mut sine] = [[0.0; LANES]; 2];
+        chunk_waves(self, p, waves, [&mut cosine, &mut sine]);
+        for i in 0..LANES {
+            visit(i, cosine[i], sine[i]);
+        }
     }
 
     /// Rows of the orientation's rotation matrix.
@@ -111,6 +123,29 @@ impl Lattice {
             }
         }
     }
+}
+
+// Noise of a chunk, out of line: a copy in each of the many places that sum noise, for each set of instructions, takes longer to
+// compile than all the rest. A call for all lanes costs nothing.
+
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn chunk_noise(lattice: &Lattice, p: &Points, out: &mut Lane) {
+    lattice.visit(p, Noise(|i, noise| out[i] = noise));
+}
+
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn chunk_noise_and_slope(lattice: &Lattice, p: &Points, out: &mut Lane, slope: &mut [Lane; 3]) {
+    let visit = |i: usize, noise, own: [f32; 3]| {
+        out[i] = noise;
+        (slope[0][i], slope[1][i], slope[2][i]) = (own[0], own[1], own[2]);
+    };
+    lattice.visit(p, NoiseAndSlope { rows: lattice.rows(), visit });
+}
+
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn chunk_waves(lattice: &Lattice, p: &Points, waves: &[Lane; 3], [cosine, sine]: [&mut Lane; 2]) {
+    let visit = |i: usize, c, s| (cosine[i], sine[i]) = (c, s);
+    lattice.visit(p, Waves { rows: lattice.rows(), waves, visit });
 }
 
 /// 1.5 * 2^52: adding it rounds to a whole number that then stands in the low bits.
@@ -324,6 +359,41 @@ mod tests {
     fn points(spread: f64) -> Points {
         let axis = |salt: u64| array::from_fn(|i| 6.1e6 + (unit(mix(i as u64 ^ salt)) - 0.5) * spread);
         Points::at([axis(1 << 40), axis(2 << 40), axis(3 << 40)])
+    }
+
+    /// All noises of a chunk with instructions that few machines lack.
+    #[multiversion::multiversion(targets("x86_64+avx2"))]
+    fn narrower(lattice: &Lattice, p: &Points, waves: &[Lane; 3]) -> [Lane; 7] {
+        all(lattice, p, waves)
+    }
+
+    #[inline(always)]
+    fn all(lattice: &Lattice, p: &Points, waves: &[Lane; 3]) -> [Lane; 7] {
+        let mut out = [[0.0; LANES]; 7];
+        lattice.visit(p, Noise(|i, noise| out[0][i] = noise));
+        let visit = |i: usize, noise, slope: [f32; 3]| {
+            (out[1][i], out[2][i], out[3][i], out[4][i]) = (noise, slope[0], slope[1], slope[2])
+        };
+        lattice.visit(p, NoiseAndSlope { rows: lattice.rows(), visit });
+        let visit = |i: usize, cosine, sine| (out[5][i], out[6][i]) = (cosine, sine);
+        lattice.visit(p, Waves { rows: lattice.rows(), waves, visit });
+        out
+    }
+
+    #[test]
+    fn wide_instructions_change_noise() {
+        for (cell_m, spread) in [(0.7, 10.0), (30.0, 10.0), (30.0, 500.0), (4e5, 10.0), (4e5, 3e6)] {
+            let (lattice, p) = (Lattice::new(7, 1, cell_m), points(spread));
+            let waves = [[0.3; LANES], [-1.7; LANES], [2.1; LANES]];
+            let mut widest = [[0.0; LANES]; 7];
+            let [a, b, c, d, e, f, g] = &mut widest;
+            lattice.noise(&p, |i, noise| a[i] = noise);
+            lattice.noise_and_slope(&p, |i, noise, slope| (b[i], c[i], d[i], e[i]) = (noise, slope[0], slope[1], slope[2]));
+            lattice.waves(&p, &waves, |i, cosine, sine| (f[i], g[i]) = (cosine, sine));
+            let bits = |lanes: [Lane; 7]| lanes.map(|lane| lane.map(f32::to_bits));
+            let portable = bits(all(&lattice, &p, &waves));
+            assert!(bits(widest) == portable && bits(narrower(&lattice, &p, &waves)) == portable, "cells of {cell_m} m");
+        }
     }
 
     #[test]

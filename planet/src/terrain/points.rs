@@ -75,11 +75,21 @@ impl Points {
     }
 
     /// Points at places in metres.
-    #[inline(always)]
     pub(crate) fn at(place: [WideLane; 3]) -> Self {
-        let turned = |turn: usize| Turned::new(&place, &ROTATIONS[turn]);
-        Self { place, turned: [turned(0), turned(1), turned(2), turned(3)] }
+        Self { turned: turned(&place), place }
     }
+}
+
+/// Out of line, as noise is.
+#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+fn turned(place: &[WideLane; 3]) -> [Turned; TURNS] {
+    all_turned(place)
+}
+
+#[inline(always)]
+fn all_turned(place: &[WideLane; 3]) -> [Turned; TURNS] {
+    let turned = |turn: usize| Turned::new(place, &ROTATIONS[turn]);
+    [turned(0), turned(1), turned(2), turned(3)]
 }
 
 impl Turned {
@@ -134,6 +144,22 @@ mod tests {
             assert!(others.map(|(_, b)| a.dot(*b).abs()).fold(0.0, f64::max) < 0.9, "{a} is nearly an axis of another");
             assert!(a.abs().max_element() < 0.81, "{a} is nearly the planet's own");
         }
+    }
+
+    #[multiversion::multiversion(targets("x86_64+avx2"))]
+    fn narrower(place: &[WideLane; 3]) -> [Turned; TURNS] {
+        all_turned(place)
+    }
+
+    #[test]
+    fn wide_instructions_turn_points_elsewhere() {
+        let axis = |k: usize| std::array::from_fn(|i| 6.1e6 * (0.3 + k as f64 + i as f64 * 1.7).sin());
+        let place = [axis(0), axis(1), axis(2)];
+        let bits = |turned: [Turned; TURNS]| {
+            turned.map(|t| (t.axes.map(|a| a.map(f64::to_bits)), t.low.map(f64::to_bits), t.high.map(f64::to_bits)))
+        };
+        let portable = bits(all_turned(&place));
+        assert!(bits(turned(&place)) == portable && bits(narrower(&place)) == portable);
     }
 
     #[test]
