@@ -68,8 +68,10 @@ fn the_heights_of_the_example_agree() {
 #[test]
 fn every_example_is_in_the_list() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples");
-    let mut there: Vec<String> =
-        std::fs::read_dir(folder).unwrap().map(|e| e.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned()).collect();
+    let mut there: Vec<String> = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|e| e.unwrap().path().file_stem().unwrap().to_string_lossy().into_owned())
+        .collect();
     there.sort_unstable();
     assert_eq!(there, EXAMPLES.map(|(name, ..)| name));
 }

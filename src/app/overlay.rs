@@ -63,7 +63,7 @@ impl Overlay {
         let rate = if self.frame_seconds > 0.0 { 1.0 / self.frame_seconds } else { 0.0 };
         let rate = if rate < 9.95 { format!("{rate:.1}") } else { format!("{rate:.0}") };
         let mut text = format!(
-            "{}  {rate} fps  {} triangles  {} awake vertices  {} patches, {} to come\nGPU {} for patches, {} MB in all  host {}  {}\n",
+            "{}  {rate} fps  {} triangles  {} awake vertices  {} patches, {} pending\nGPU {} for patches, {} MB in all  host {}  {}\n",
             distance(status.altitude_m),
             count(status.counters.wanted),
             count(status.counters.awake),

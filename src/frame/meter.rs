@@ -41,11 +41,12 @@ impl Meter {
         let histogram = ("Histogram", Resource::Storage(&self.histogram));
         commands.bind(&self.meter, &[shared.pixels("scene", scene), histogram])?;
         let [x, y, _] = self.meter.workgroup_size();
-        commands.dispatch(targets.size.0.div_ceil(METER_STRIDE * x), targets.size.1.div_ceil(METER_STRIDE * y), 1)?;
-        commands.ready(&[Access::ComputeWrite], &[Access::ComputeRead])?;
-        let light = ("Light", Resource::Storage(buffers.shading()));
-        commands.bind(&self.expose, &[light, histogram, ("Exposure", Resource::Storage(&self.factor))])?;
-        commands.dispatch(1, 1, 1)
+        let (width, height) = scene.size();
+        commands.dispatch(width.div_ceil(METER_STRIDE * x), height.div_ceil(METER_STRIDE * y), 1)?;
+        commands.ready(&[self.histogram.to(Access::ComputeRead), self.factor.to(Access::ComputeWrite)])?;
+        commands.bind(&self.expose, &[shared.light(), histogram, ("Exposure", Resource::Storage(&self.factor))])?;
+        commands.dispatch(1, 1, 1)?;
+        Ok(&self.factor)
     }
 
     /// The factor on exposure; undefined before the first metered frame.

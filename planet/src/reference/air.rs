@@ -160,7 +160,8 @@ impl Air {
             let here = exp(-medium.extinction * (to - from));
             let single = self.sunlight(position, sun, STEPS.1) * (medium.rayleigh * rayleigh_phase + medium.mie * mie_phase);
             let scattering = medium.rayleigh + medium.mie;
-            let source = SUN * (single + scattering * self.multiple_at(position, sun)) + DVec3::from_array(NIGHT) / PI * scattering;
+            let source =
+                SUN * (single + scattering * self.multiple_at(position, sun)) + DVec3::from_array(NIGHT) / PI * scattering;
             scattered += passed * (DVec3::ONE - here) * source / medium.extinction.max(DVec3::splat(1e-30));
             passed *= here;
         }
