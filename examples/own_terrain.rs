@@ -75,6 +75,6 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!("{}: {} patches built, {} there before", out.display(), summary.built, summary.skipped);
 
     let mesh = file.mesh(PatchId::containing(DVec3::X, 2))?;
-    println!("patch {}: {} vertices, {:?} lattice units high", mesh.id, mesh.vertices.len(), mesh.heights);
+    println!("patch {}: {} vertices, {:?} lattice units high", mesh.id, mesh.vertices.len(), mesh.facts.heights);
     Ok(())
 }
