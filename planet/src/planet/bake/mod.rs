@@ -183,7 +183,8 @@ pub fn bake(
     Ok(summary)
 }
 
-fn build_and_encode(ground: &Ground, colour: &dyn GroundColour, id: PatchId) -> Outcome {
+/// Builds a patch for the file.
+pub(super) fn build_and_encode(ground: &Ground, colour: &dyn GroundColour, id: PatchId) -> Outcome {
     let (mesh, texture, faults) = build_patch(ground, colour, id);
     let patch = BakedPatch::new(&mesh, &texture).map_err(|source| BakeError::Patch { id, source })?;
     Ok((patch, faults))

@@ -6,11 +6,11 @@
 
 mod touched;
 
-use super::bake::{bake, BakeError, BakePlan, BakeSummary, Progress};
+use super::bake::{bake, build_and_encode, BakeError, BakePlan, BakeSummary, Progress};
 use super::{Planet, PlanetError};
 use crate::globe::patch::PatchId;
 use crate::recipe::{Edit, EditRange, Recipe, RecipeError};
-use crate::store::{BakedPatch, PlanetFile, StoreError};
+use crate::store::{PlanetFile, StoreError};
 use crate::terrain::edits::centre;
 use glam::DVec3;
 use std::path::PathBuf;
@@ -122,12 +122,8 @@ fn change(file: &mut PlanetFile, recipe: Recipe, edit: Edit) -> Result<Changed, 
     let planet = Planet::from_recipe(recipe, file.header().cells)?;
     let reach = Touched::new(&edit, planet.recipe.radius, planet.cells);
     let faces: Vec<PatchId> = PatchId::roots().filter(|&id| reach.touches(id)).collect();
-    let built = faces.iter().map(|&id| build(&planet, id)).collect::<Result<Vec<_>, _>>()?;
+    let build = |&id: &PatchId| build_and_encode(&planet.ground(), &planet.terrain, id).map(|(patch, _)| patch);
+    let built = faces.iter().map(build).collect::<Result<Vec<_>, _>>()?;
     let touched = file.replace_ground(&planet.header(), &|id| reach.touches(id), &built)?;
     Ok(Changed { planet, edit, touched, faces: built.len() })
-}
-
-fn build(planet: &Planet, id: PatchId) -> Result<BakedPatch, BakeError> {
-    let (mesh, texture, _) = planet.build(id);
-    BakedPatch::new(&mesh, &texture).map_err(|source| BakeError::Patch { id, source })
 }
