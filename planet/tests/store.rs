@@ -144,12 +144,16 @@ fn another_planet_does_not_resume() {
     assert!(PlanetFile::create_or_resume(&path, &planet.header()).is_ok());
 }
 
+/// One of the whole faces as it goes into a file.
+fn baked_root() -> BakedPatch {
+    let (mesh, texture, _) = tiny(CELLS).build(PatchId::roots().nth(4).unwrap());
+    BakedPatch::new(&mesh, &texture).unwrap()
+}
+
 #[test]
 fn every_flipped_byte_of_a_record_is_noticed() {
-    let planet = tiny(CELLS);
-    let id = PatchId::roots().nth(4).unwrap();
-    let (mesh, texture, _) = planet.build(id);
-    let baked = BakedPatch::new(&mesh, &texture).unwrap();
+    let baked = baked_root();
+    let id = baked.record.id;
     assert!(geometry::decode(&baked.geometry, id, CELLS).is_ok() && imagery::decode(&baked.texture, id, CELLS).is_ok());
     for k in 0..baked.geometry.len() {
         let mut bytes = baked.geometry.clone();
@@ -167,10 +171,8 @@ fn every_flipped_byte_of_a_record_is_noticed() {
 /// The checksum is computed again after the damage, so that only the decoder's own checks can find it.
 #[test]
 fn damage_behind_a_right_checksum_never_panics() {
-    let planet = tiny(CELLS);
-    let id = PatchId::roots().nth(4).unwrap();
-    let (mesh, texture, _) = planet.build(id);
-    let baked = BakedPatch::new(&mesh, &texture).unwrap();
+    let baked = baked_root();
+    let id = baked.record.id;
     let seal = |bytes: &mut [u8]| {
         let mut hasher = crc32fast::Hasher::new();
         hasher.update(&bytes[..26]);
