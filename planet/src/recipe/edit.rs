@@ -99,7 +99,7 @@ impl Shape {
             }),
             "flatten" => Ok(Self::Flatten { height_m: reader.number("height_m", HEIGHTS_M)? }),
             "raise" => Ok(Self::Raise { by_m: reader.number("by_m", HEIGHTS_M)? }),
-            other => Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
+            other => Err(reader.wrong_name("kind", other, kinds)),
         }
     }
 }

@@ -18,7 +18,7 @@ pub(crate) use layer::layer_kinds;
 pub use layer::{
     Canyons, Caps, Continents, Craters, Dunes, HeightScale, Heightmap, Hills, Lava, Layer, Mountains, Octaves, Placement,
 };
-pub use layer::{Plains, Rift, Shield};
+pub use layer::{Plains, Regions, Rift, Shield};
 pub use palette::{Airless, Colour, Desert, Living, Palette};
 
 use crate::globe::sun::EARTH_TILT;

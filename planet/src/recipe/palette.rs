@@ -111,7 +111,7 @@ impl Palette {
             "living" => Self::Living(Box::new(Living::read(reader)?)),
             "airless" => Self::Airless(Airless::read(reader)?),
             "desert" => Self::Desert(Box::new(Desert::read(reader)?)),
-            other => return Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), kinds)),
+            other => return Err(reader.wrong_name("kind", other, kinds)),
         };
         reader.finish()?;
         Ok(palette)

@@ -85,6 +85,11 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// An error about the string of a key, which is none of those expected.
+    pub(crate) fn wrong_name(&self, key: &'static str, found: &str, expected: &str) -> RecipeError {
+        self.wrong(key, self.line_of(key), format!("string \"{found}\""), expected)
+    }
+
     fn wrong_value(&self, key: &str, value: &Spanned<DeValue<'_>>, expected: &str) -> RecipeError {
         self.wrong(key, self.source.line(value.span().start), describe(self.source.text, value), expected)
     }

@@ -31,7 +31,7 @@ impl Evaluate for Canyons {
         Ok(Self {
             lines: Fractal::new(seed, &recipe.octaves),
             warp: Warp::new(mix(seed ^ 1), recipe.octaves.wavelength_m, recipe.warp_m, 3),
-            regions: Regions::new(mix(seed ^ 2), recipe.region_m, recipe.cover, recipe.above_m),
+            regions: Regions::new(mix(seed ^ 2), &recipe.regions),
             rim: (1.0 - recipe.width) as f32,
             per_wall: (1.0 / (recipe.width * recipe.wall)) as f32,
             ledges: recipe.ledges as f32,

@@ -39,7 +39,7 @@ impl Evaluate for Dunes {
             per_radius: 1.0 / planet.radius,
             bend: Fractal::few(mix(seed ^ 1), recipe.wavelength_m * 8.0, 3),
             vigour: Fractal::few(mix(seed ^ 3), recipe.wavelength_m * 3.0, 2),
-            regions: Regions::new(mix(seed ^ 2), recipe.region_m, recipe.cover, recipe.above_m),
+            regions: Regions::new(mix(seed ^ 2), &recipe.regions),
             amplitude_m: recipe.amplitude_m,
         })
     }

@@ -3,6 +3,7 @@
 
 use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{Lane, Points, LANES};
+use crate::recipe;
 
 /// The regions of one layer.
 pub(crate) struct Regions {
@@ -14,11 +15,12 @@ pub(crate) struct Regions {
 }
 
 impl Regions {
-    /// Regions of about `region_m` metres on about the share `cover` of the planet: all of it from 1 on.
-    pub(crate) fn new(seed: u64, region_m: f64, cover: f64, above_m: [f64; 2]) -> Self {
+    /// Regions by a recipe: a cover of 1 is all of the planet.
+    pub(crate) fn new(seed: u64, recipe: &recipe::Regions) -> Self {
+        let cover = recipe.cover;
         let middle = 0.7 - 1.4 * cover;
         let edges = if cover >= 1.0 { [-9.0, -8.0] } else { [middle - 0.2, middle + 0.2] };
-        Self { noise: Fractal::few(seed, region_m, 3), cover: Ramp::new(edges), above: Ramp::new(above_m) }
+        Self { noise: Fractal::few(seed, recipe.region_m, 3), cover: Ramp::new(edges), above: Ramp::new(recipe.above_m) }
     }
 
     /// How much of the layer shows where; nothing where that is 0 throughout.

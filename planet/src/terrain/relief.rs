@@ -165,7 +165,7 @@ impl Evaluate for Hills {
     fn new(seed: u64, recipe: &recipe::Hills, _: &Recipe) -> Result<Self, RecipeError> {
         Ok(Self {
             fractal: Fractal::new(seed, &recipe.octaves),
-            regions: Regions::new(mix(seed ^ 1), recipe.region_m, recipe.cover, recipe.above_m),
+            regions: Regions::new(mix(seed ^ 1), &recipe.regions),
             roundness: recipe.roundness as f32,
             amplitude_m: recipe.amplitude_m,
         })

@@ -1,6 +1,6 @@
 //! Parameters of canyons with units and ranges. In: one `[[layer]]` table. Out: the checked layer.
 
-use super::{read_above, Octaves, ReadLayer, METRES, UNIT, WAVELENGTH};
+use super::{Octaves, ReadLayer, Regions, METRES, UNIT};
 use crate::recipe::error::RecipeError;
 use crate::recipe::reader::Reader;
 
@@ -19,12 +19,8 @@ pub struct Canyons {
     pub wall: f64,
     /// How much the walls are stairs, and not slopes (0 to 1; default 0.5).
     pub ledges: f64,
-    /// Typical size of a region with canyons, in metres.
-    pub region_m: f64,
-    /// Share of the planet with canyons, about (0 to 1; default 0.5).
-    pub cover: f64,
-    /// Where canyons fade in, in metres of base elevation.
-    pub above_m: [f64; 2],
+    /// Where there are canyons.
+    pub regions: Regions,
 }
 
 impl ReadLayer for Canyons {
@@ -36,9 +32,7 @@ impl ReadLayer for Canyons {
             width: reader.number("width", 0.02..=0.9)?,
             wall: reader.number_or("wall", 0.05..=1.0, 0.5)?,
             ledges: reader.number_or("ledges", UNIT, 0.5)?,
-            region_m: reader.number("region_m", WAVELENGTH)?,
-            cover: reader.number_or("cover", UNIT, 0.5)?,
-            above_m: read_above(reader)?,
+            regions: Regions::read(reader)?,
         })
     }
 }

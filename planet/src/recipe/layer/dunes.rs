@@ -1,6 +1,6 @@
 //! Parameters of dunes with units and ranges. In: one `[[layer]]` table. Out: the checked layer.
 
-use super::{read_above, ReadLayer, METRES, UNIT, WAVELENGTH};
+use super::{ReadLayer, Regions, METRES, WAVELENGTH};
 use crate::recipe::error::RecipeError;
 use crate::recipe::reader::Reader;
 
@@ -11,12 +11,8 @@ pub struct Dunes {
     pub wavelength_m: f64,
     /// Height of the highest crests, in metres.
     pub amplitude_m: f64,
-    /// Typical size of a dune field, in metres.
-    pub region_m: f64,
-    /// Share of the planet under dunes, about (0 to 1; default 0.5).
-    pub cover: f64,
-    /// Where dunes fade in, in metres of base elevation.
-    pub above_m: [f64; 2],
+    /// Where there are dunes.
+    pub regions: Regions,
 }
 
 impl ReadLayer for Dunes {
@@ -24,9 +20,7 @@ impl ReadLayer for Dunes {
         Ok(Self {
             wavelength_m: reader.number("wavelength_m", WAVELENGTH)?,
             amplitude_m: reader.number("amplitude_m", METRES)?,
-            region_m: reader.number("region_m", WAVELENGTH)?,
-            cover: reader.number_or("cover", UNIT, 0.5)?,
-            above_m: read_above(reader)?,
+            regions: Regions::read(reader)?,
         })
     }
 }

@@ -92,7 +92,7 @@ impl Placement {
             let expected = "\"file\"; without this key a map covers the planet, or lies at `latitude_deg` and `longitude_deg`";
             return match reader.string("placement", expected)?.as_str() {
                 "file" => Ok(Self::File { blend_m: blend_m(radius)? }),
-                other => Err(reader.wrong("placement", reader.line_of("placement"), format!("string \"{other}\""), expected)),
+                other => Err(reader.wrong_name("placement", other, expected)),
             };
         }
         if !["latitude_deg", "longitude_deg", "width_m"].into_iter().any(|key| reader.has(key)) {

@@ -78,7 +78,7 @@ macro_rules! layers {
                 let kind = reader.string("kind", &kinds)?;
                 let layer = match kind.as_str() {
                     $($name => Self::$kind($file::$kind::read(reader, radius)?),)*
-                    other => return Err(reader.wrong("kind", reader.line_of("kind"), format!("string \"{other}\""), &kinds)),
+                    other => return Err(reader.wrong_name("kind", other, &kinds)),
                 };
                 reader.finish()?;
                 Ok(layer)
@@ -116,6 +116,27 @@ impl Octaves {
         let wavelength_m = reader.number("wavelength_m", WAVELENGTH)?;
         let detail_m = reader.number_or("detail_m", *WAVELENGTH.start()..=wavelength_m, wavelength_m.min(1.0))?;
         Ok(Self { wavelength_m, detail_m, gain: reader.number("gain", 0.2..=0.8)? })
+    }
+}
+
+/// The part of the planet where a layer shows.
+#[derive(Clone, Debug)]
+pub struct Regions {
+    /// Typical size of a region, in metres.
+    pub region_m: f64,
+    /// Share of the planet in such regions, about (0 to 1; default 0.5).
+    pub cover: f64,
+    /// Where the layer fades in, in metres of base elevation.
+    pub above_m: [f64; 2],
+}
+
+impl Regions {
+    fn read(reader: &Reader<'_>) -> Result<Self, RecipeError> {
+        Ok(Self {
+            region_m: reader.number("region_m", WAVELENGTH)?,
+            cover: reader.number_or("cover", UNIT, 0.5)?,
+            above_m: read_above(reader)?,
+        })
     }
 }
 

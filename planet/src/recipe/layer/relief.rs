@@ -1,7 +1,7 @@
 //! Parameters of the noise layers with units and ranges: continents, mountains, hills, plains. In: one `[[layer]]` table. Out: the checked
 //! layer.
 
-use super::{read_above, Octaves, ReadLayer, METRES, UNIT, WAVELENGTH};
+use super::{read_above, Octaves, ReadLayer, Regions, METRES, WAVELENGTH};
 use crate::recipe::error::RecipeError;
 use crate::recipe::reader::Reader;
 
@@ -46,12 +46,8 @@ pub struct Hills {
     pub amplitude_m: f64,
     /// 0: plain noise; 1: rounded mounds with gullies between them; -1: rounded pans with sharp crests between them.
     pub roundness: f64,
-    /// Typical size of a hilly region, in metres.
-    pub region_m: f64,
-    /// Share of the planet that is hilly, about (0 to 1; default 0.5).
-    pub cover: f64,
-    /// Where hills fade in, in metres of base elevation.
-    pub above_m: [f64; 2],
+    /// Where there are hills.
+    pub regions: Regions,
 }
 
 /// Gentle relief everywhere.
@@ -94,9 +90,7 @@ impl ReadLayer for Hills {
             octaves: Octaves::read(reader)?,
             amplitude_m: reader.number("amplitude_m", METRES)?,
             roundness: reader.number_or("roundness", -1.0..=1.0, 0.0)?,
-            region_m: reader.number("region_m", WAVELENGTH)?,
-            cover: reader.number_or("cover", UNIT, 0.5)?,
-            above_m: read_above(reader)?,
+            regions: Regions::read(reader)?,
         })
     }
 }
