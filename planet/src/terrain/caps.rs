@@ -95,7 +95,7 @@ impl Caps {
     fn site(&self, p: &Points) -> Option<Site> {
         let mut out = [0.0; LANES];
         for i in 0..LANES {
-            let (x, y) = (p.place[0][i] * self.per_edge, p.place[1][i] * self.per_edge);
+            let (x, y) = (p.position[0][i] * self.per_edge, p.position[1][i] * self.per_edge);
             out[i] = (x * x + y * y).sqrt() as f32;
         }
         if out.iter().all(|&out| out > 1.5) {
@@ -115,8 +115,8 @@ impl Caps {
         let (bend, vigour) = (self.bend.brownian(p), self.vigour.brownian(p));
         let (mut share, mut deep) = ([0.0; LANES], [0.0; LANES]);
         for i in 0..LANES {
-            let around = atan2(p.place[1][i], p.place[0][i]) * (ARMS / TAU);
-            let around = if p.place[2][i] < 0.0 { -around } else { around };
+            let around = atan2(p.position[1][i], p.position[0][i]) * (ARMS / TAU);
+            let around = if p.position[2][i] < 0.0 { -around } else { around };
             let phase = around + f64::from(out[i]) * self.turns + f64::from(bend[i]) * 0.8;
             share[i] = (phase - nearest(phase).1) as f32 + 0.5;
             deep[i] = (0.55 + 1.5 * vigour[i]).clamp(0.0, 1.0) * MIDDLE.at(out[i]) * RIM.at(inward[i]);

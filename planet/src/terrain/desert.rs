@@ -38,11 +38,11 @@ impl Winds {
     /// Noise drawn out along parallels.
     #[inline(always)]
     fn streaks(&self, p: &Points) -> Lane {
-        let mut place = p.place;
-        for z in &mut place[2] {
+        let mut position = p.position;
+        for z in &mut position[2] {
             *z *= STREAK;
         }
-        self.streaks.brownian(&Points::at(place))
+        self.streaks.brownian(&Points::at(position))
     }
 
     /// How much dark sand the winds leave where, about -1 to 1: in the belt from the southern middle latitudes to the equator, less on
@@ -54,7 +54,7 @@ impl Winds {
         let mut room = None;
         let mut sand = self.regions.brownian(Warp::moved(self.warp.as_ref(), p, &mut room));
         for i in 0..LANES {
-            let off = (p.place[2][i] * per_radius) as f32 + 0.22;
+            let off = (p.position[2][i] * per_radius) as f32 + 0.22;
             let belt = 0.4 - 1.7 * off * off;
             sand[i] += 0.4 * belt - 1.1 * HIGH.at(base[i]) - 0.5 * DEEP.at(base[i]);
         }
@@ -145,7 +145,7 @@ impl Terrain {
         let per_axis = winds.per_edge / self.radius;
         let mut ice = [0.0; LANES];
         for i in 0..LANES {
-            let (x, y) = ((p.place[0][i] * per_axis) as f32, (p.place[1][i] * per_axis) as f32);
+            let (x, y) = ((p.position[0][i] * per_axis) as f32, (p.position[1][i] * per_axis) as f32);
             let ragged = 0.25 * noises.climate[i] + 0.16 * noises.patch[i] + 0.008 * noises.thicket[i];
             ice[i] = EDGE.at(1.0 - (x * x + y * y).sqrt() + ragged);
         }

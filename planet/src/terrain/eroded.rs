@@ -75,7 +75,7 @@ impl Eroded {
         const SLOPES: Ramp = Ramp::new([0.0, 0.5]);
         let mut up = [[0.0; LANES]; 3];
         for i in 0..LANES {
-            let [x, y, z] = axes(|k| p.place[k][i] as f32);
+            let [x, y, z] = axes(|k| p.position[k][i] as f32);
             let per_length = 1.0 / (x * x + y * y + z * z).sqrt();
             (up[0][i], up[1][i], up[2][i]) = (x * per_length, y * per_length, z * per_length);
         }

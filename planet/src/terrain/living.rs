@@ -47,15 +47,15 @@ impl Biomes {
     /// Noise drawn out along parallels, bent a little.
     #[inline(always)]
     fn streaks(&self, p: &Points, bend: &Lane, spacing: &Lane) -> Lane {
-        let mut place = p.place;
+        let mut position = p.position;
         for i in 0..LANES {
-            place[2][i] = (place[2][i] + f64::from(bend[i]) * 3.0 * self.stray_m) * STREAK;
+            position[2][i] = (position[2][i] + f64::from(bend[i]) * 3.0 * self.stray_m) * STREAK;
         }
         let mut spacing = *spacing;
         for v in &mut spacing {
             *v *= STREAK as f32;
         }
-        self.streaks.seen(&Points::at(place), &spacing)
+        self.streaks.seen(&Points::at(position), &spacing)
     }
 }
 
@@ -105,7 +105,7 @@ impl Terrain {
         let mut weather = [Weather::default(); LANES];
         for i in 0..LANES {
             let push = [patch[i] + climate[i], province[i] - patch[i], province[i] - climate[i]];
-            weather[i] = grid.at(DVec3::from_array(axes(|k| p.place[k][i] + biomes.stray_m * f64::from(push[k]))));
+            weather[i] = grid.at(DVec3::from_array(axes(|k| p.position[k][i] + biomes.stray_m * f64::from(push[k]))));
         }
         let mut mean = [0.0; LANES];
         for i in 0..LANES {

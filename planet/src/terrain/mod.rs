@@ -20,9 +20,9 @@ mod heightmap;
 mod lava;
 mod layer;
 mod living;
+mod local_frame;
 pub(crate) mod noise;
 pub(crate) mod octaves;
-mod place;
 pub(crate) mod points;
 mod profile;
 mod regions;
@@ -238,14 +238,14 @@ mod tests {
 
     /// Chunks of several spacings all over the planet, from metres to a whole face.
     fn chunks(radius: f64) -> impl Iterator<Item = Vec<DVec3>> {
-        let place = |n: u32| {
+        let site = |n: u32| {
             let draw = |k: u64| noise::unit(mix(u64::from(n) ^ mix(k))) * 2.0 - 1.0;
             DVec3::new(draw(1), draw(2), draw(3)).normalize()
         };
         let square = move |n: u32, spacing: f64| {
-            let (east, north) = place(n).any_orthonormal_pair();
+            let (east, north) = site(n).any_orthonormal_pair();
             let at = move |i: usize| (east * (i % 8) as f64 + north * (i / 8) as f64) * (spacing / radius);
-            (0..LANES - 5).map(|i| (place(n) + at(i)).normalize()).collect()
+            (0..LANES - 5).map(|i| (site(n) + at(i)).normalize()).collect()
         };
         (0..24).flat_map(move |n| [0.3, 40.0, 3000.0, 5e5].map(|spacing| square(n, spacing)))
     }

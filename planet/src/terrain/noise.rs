@@ -405,7 +405,7 @@ mod tests {
             let [low, high] = lattice.span(&p);
             assert_eq!(low == high, cell_m > 1e3, "{cell_m} m no longer tests what it should");
             for i in 0..LANES {
-                let alone = Points::at([0, 1, 2].map(|k| [p.place[k][i]; LANES]));
+                let alone = Points::at([0, 1, 2].map(|k| [p.position[k][i]; LANES]));
                 assert_eq!(together[i].to_bits(), lanes(&lattice, &alone)[0].to_bits(), "{cell_m} m");
             }
         }
@@ -421,9 +421,9 @@ mod tests {
         assert_eq!(values, lanes(&lattice, &p));
         for k in 0..3 {
             let moved = |by: f64| {
-                let mut place = p.place;
-                place[k].iter_mut().for_each(|x| *x += by);
-                lanes(&lattice, &Points::at(place))
+                let mut position = p.position;
+                position[k].iter_mut().for_each(|x| *x += by);
+                lanes(&lattice, &Points::at(position))
             };
             let (back, ahead) = (moved(-metres), moved(metres));
             for i in 0..LANES {
@@ -439,7 +439,7 @@ mod tests {
             let turns = i as f32 * 0.01;
             assert!((sine_of_turns(turns) - (turns * std::f32::consts::TAU).sin()).abs() < 2e-3, "{turns}");
         }
-        // Waves with one crest a cell along x: over many places crests and troughs cancel, and the waves have amplitude.
+        // Waves with one crest a cell along x: over many cells crests and troughs cancel, and the waves have amplitude.
         let (lattice, p) = (Lattice::new(7, 1, 300.0), points(5e3));
         let mut still = [0.0; LANES];
         lattice.waves(&p, &[[0.0; LANES]; 3], |i, cosine, sine| still[i] = (cosine - 1.0).abs() + sine.abs());

@@ -125,21 +125,21 @@ impl Warp {
 
     #[inline(always)]
     fn apply(&self, p: &Points) -> Points {
-        let mut place = p.place;
-        for (axis, place) in self.axes.iter().zip(&mut place) {
+        let mut position = p.position;
+        for (axis, coordinate) in self.axes.iter().zip(&mut position) {
             let push = axis.brownian(p);
             for i in 0..LANES {
-                place[i] += f64::from(push[i]) * self.reach_m;
+                coordinate[i] += f64::from(push[i]) * self.reach_m;
             }
         }
         if let Some(radius) = self.sphere_m {
             for i in 0..LANES {
-                let [x, y, z] = [place[0][i], place[1][i], place[2][i]];
+                let [x, y, z] = [position[0][i], position[1][i], position[2][i]];
                 let scale = radius / (x * x + y * y + z * z).sqrt();
-                (place[0][i], place[1][i], place[2][i]) = (x * scale, y * scale, z * scale);
+                (position[0][i], position[1][i], position[2][i]) = (x * scale, y * scale, z * scale);
             }
         }
-        Points::at(place)
+        Points::at(position)
     }
 }
 

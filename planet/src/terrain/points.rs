@@ -48,7 +48,7 @@ const fn rotation([w, x, y, z]: [f64; 4]) -> [[f64; 3]; 3] {
 /// A chunk of points, in metres from the planet's centre. Lanes past the last point repeat it.
 pub(crate) struct Points {
     /// Planet-fixed coordinates.
-    pub(crate) place: [WideLane; 3],
+    pub(crate) position: [WideLane; 3],
     /// The same in each orientation.
     pub(crate) turned: [Turned; TURNS],
 }
@@ -66,40 +66,40 @@ impl Points {
     /// Up to [`LANES`] points (at least one), given as directions from the centre of a planet of `radius` metres.
     #[inline(always)]
     pub(crate) fn new(radius: f64, count: usize, direction: impl Fn(usize) -> DVec3) -> Self {
-        let mut place = [[0.0; LANES]; 3];
+        let mut position = [[0.0; LANES]; 3];
         for i in 0..LANES {
             let d = direction(i.min(count - 1));
-            (place[0][i], place[1][i], place[2][i]) = (d.x * radius, d.y * radius, d.z * radius);
+            (position[0][i], position[1][i], position[2][i]) = (d.x * radius, d.y * radius, d.z * radius);
         }
-        Self::at(place)
+        Self::at(position)
     }
 
-    /// Points at places in metres.
-    pub(crate) fn at(place: [WideLane; 3]) -> Self {
-        Self { turned: turned(&place), place }
+    /// Points at positions in metres.
+    pub(crate) fn at(position: [WideLane; 3]) -> Self {
+        Self { turned: turned(&position), position }
     }
 }
 
 /// Out of line, as noise is.
 #[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
-fn turned(place: &[WideLane; 3]) -> [Turned; TURNS] {
-    all_turned(place)
+fn turned(position: &[WideLane; 3]) -> [Turned; TURNS] {
+    all_turned(position)
 }
 
 #[inline(always)]
-fn all_turned(place: &[WideLane; 3]) -> [Turned; TURNS] {
-    let turned = |turn: usize| Turned::new(place, &ROTATIONS[turn]);
+fn all_turned(position: &[WideLane; 3]) -> [Turned; TURNS] {
+    let turned = |turn: usize| Turned::new(position, &ROTATIONS[turn]);
     [turned(0), turned(1), turned(2), turned(3)]
 }
 
 impl Turned {
     #[inline(always)]
-    fn new(place: &[WideLane; 3], rows: &[[f64; 3]; 3]) -> Self {
+    fn new(position: &[WideLane; 3], rows: &[[f64; 3]; 3]) -> Self {
         let mut turned = Self { axes: [[0.0; LANES]; 3], low: [0.0; 3], high: [0.0; 3] };
         for (k, row) in rows.iter().enumerate() {
             let axis = &mut turned.axes[k];
             for i in 0..LANES {
-                axis[i] = row[0] * place[0][i] + row[1] * place[1][i] + row[2] * place[2][i];
+                axis[i] = row[0] * position[0][i] + row[1] * position[1][i] + row[2] * position[2][i];
             }
             [turned.low[k], turned.high[k]] = bounds(axis);
         }
@@ -147,26 +147,26 @@ mod tests {
     }
 
     #[multiversion::multiversion(targets("x86_64+avx2"))]
-    fn narrower(place: &[WideLane; 3]) -> [Turned; TURNS] {
-        all_turned(place)
+    fn narrower(position: &[WideLane; 3]) -> [Turned; TURNS] {
+        all_turned(position)
     }
 
     #[test]
     fn wide_instructions_turn_points_elsewhere() {
         let axis = |k: usize| std::array::from_fn(|i| 6.1e6 * (0.3 + k as f64 + i as f64 * 1.7).sin());
-        let place = [axis(0), axis(1), axis(2)];
+        let position = [axis(0), axis(1), axis(2)];
         let bits = |turned: [Turned; TURNS]| {
             turned.map(|t| (t.axes.map(|a| a.map(f64::to_bits)), t.low.map(f64::to_bits), t.high.map(f64::to_bits)))
         };
-        let portable = bits(all_turned(&place));
-        assert!(bits(turned(&place)) == portable && bits(narrower(&place)) == portable);
+        let portable = bits(all_turned(&position));
+        assert!(bits(turned(&position)) == portable && bits(narrower(&position)) == portable);
     }
 
     #[test]
     fn bounds_contain_all_points() {
-        let mut place = [[1.0; LANES]; 3];
-        (place[1][5], place[2][LANES - 1]) = (-40.0, 70.0);
-        for turned in Points::at(place).turned {
+        let mut position = [[1.0; LANES]; 3];
+        (position[1][5], position[2][LANES - 1]) = (-40.0, 70.0);
+        for turned in Points::at(position).turned {
             for k in 0..3 {
                 assert!(turned.axes[k].iter().all(|&v| turned.low[k] <= v && v <= turned.high[k]));
                 assert!(turned.axes[k].contains(&turned.low[k]) && turned.axes[k].contains(&turned.high[k]));

@@ -47,7 +47,7 @@ impl Evaluate for Continents {
         let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         let mut noise = self.fractal.brownian(p);
         for i in 0..LANES {
-            noise[i] += (p.place[2][i] * self.north_per_metre) as f32;
+            noise[i] += (p.position[2][i] * self.north_per_metre) as f32;
         }
         let mut own = self.profile.lanes(&noise);
         if let Some(ridges) = &self.ridges {

@@ -3,9 +3,9 @@
 
 use super::canyons::stairs;
 use super::layer::{Evaluate, Past};
+use super::local_frame::LocalFrame;
 use super::noise::mix;
 use super::octaves::{Fractal, Ramp};
-use super::place::Place;
 use super::points::{Lane, Points, LANES};
 use crate::recipe::{self, Recipe, RecipeError};
 
@@ -18,7 +18,7 @@ const GULLIES: f32 = 2.0;
 
 /// One rift.
 pub(crate) struct Rift {
-    place: Place,
+    frame: LocalFrame,
     /// Bends it as a whole.
     wander: Fractal,
     /// Widens and narrows it.
@@ -41,7 +41,7 @@ impl Evaluate for Rift {
         // Walls stand at about 27 degrees.
         let wall_m = (2.0 * recipe.depth_m).min(0.3 * recipe.width_m);
         Ok(Self {
-            place: Place::new(recipe.latitude_deg, recipe.longitude_deg, recipe.heading_deg, planet.radius),
+            frame: LocalFrame::new(recipe.latitude_deg, recipe.longitude_deg, recipe.heading_deg, planet.radius),
             wander: Fractal::few(mix(seed ^ 1), recipe.length_m * 0.22, 5),
             breadth: Fractal::few(mix(seed ^ 2), recipe.width_m * 2.2, 6),
             gullies: Fractal::few(mix(seed ^ 3), wall_m * 2.6, 8),
@@ -85,7 +85,7 @@ impl Rift {
     /// How far inside of the rim each point is, if any is.
     #[inline(always)]
     fn within(&self, p: &Points) -> Option<Lane> {
-        let [up, across, along] = self.place.lanes(p);
+        let [up, across, along] = self.frame.lanes(p);
         let reach = self.half_width_m * (1.0 + SWELL + 2.0 * WANDER) + GULLIES * self.wall_m;
         let near = |i: usize| up[i] > 0.0 && across[i].abs() < reach && along[i].abs() < self.half_length_m;
         if !(0..LANES).any(near) {

@@ -2,13 +2,13 @@
 //! top. In: a chunk of points in metres. Out: metres of the layer's own, never below 0, or nothing where there are none in the whole chunk.
 
 use super::layer::{Evaluate, Past};
+use super::local_frame::LocalFrame;
 use super::noise::mix;
 use super::octaves::{any_above_zero, Fractal, Ramp};
-use super::place::Place;
 use super::points::{Lane, Points, LANES};
 use crate::recipe::{self, Recipe, RecipeError};
 
-/// Calderas of a top: place in radii of the largest, radius, and depth. They cut into each other.
+/// Calderas of a top: position in radii of the largest, radius, and depth. They cut into each other.
 const CALDERAS: [[f32; 4]; 4] =
     [[0.0, 0.0, 0.9, 0.62], [0.5, 0.42, 0.52, 1.0], [-0.52, 0.5, 0.44, 0.8], [-0.12, -0.62, 0.58, 0.72]];
 /// Share of a caldera's radius squared that is wall.
@@ -19,7 +19,7 @@ const WANDER: f32 = 0.3;
 
 /// One volcano.
 pub(crate) struct Shield {
-    place: Place,
+    frame: LocalFrame,
     /// Bends its foot.
     bend: Fractal,
     /// Bends the walls of its calderas.
@@ -36,7 +36,7 @@ impl Evaluate for Shield {
 
     fn new(seed: u64, recipe: &recipe::Shield, planet: &Recipe) -> Result<Self, RecipeError> {
         Ok(Self {
-            place: Place::new(recipe.latitude_deg, recipe.longitude_deg, 0.0, planet.radius),
+            frame: LocalFrame::new(recipe.latitude_deg, recipe.longitude_deg, 0.0, planet.radius),
             bend: Fractal::few(mix(seed ^ 1), recipe.radius_m * 0.55, 6),
             slumps: Fractal::few(mix(seed ^ 2), recipe.caldera_m.max(1e3) * 0.5, 6),
             radius_m: recipe.radius_m,
@@ -55,7 +55,7 @@ impl Evaluate for Shield {
     #[inline(always)]
     fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
         const YOUNG: Ramp = Ramp::new([0.06, 0.3]);
-        let mut own = self.place.distances2(p);
+        let mut own = self.frame.distances2(p);
         let reach = self.radius_m / f64::from(1.0 - WANDER) + 1.0;
         if own.iter().all(|&d2| d2 > (reach * reach) as f32) {
             return None;
@@ -91,7 +91,7 @@ impl Shield {
 
     #[inline(always)]
     fn add_calderas(&self, p: &Points, own: &mut Lane) {
-        let [_, east, north] = self.place.lanes(p);
+        let [_, east, north] = self.frame.lanes(p);
         let (per_radius, slumps) = ((1.0 / self.caldera_m) as f32, self.slumps.brownian(p));
         let top = self.height_m as f32 * self.flank((1.0 - self.caldera_m / self.radius_m).max(0.0) as f32);
         for i in 0..LANES {

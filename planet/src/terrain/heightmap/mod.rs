@@ -114,7 +114,7 @@ impl Evaluate for Heightmap {
 
     #[inline(always)]
     fn compose(&self, p: &Points, past: &mut Past, height: Option<&mut WideLane>) {
-        let at = |i: usize| self.at([0, 1, 2].map(|k| p.place[k][i] / self.radius));
+        let at = |i: usize| self.at([0, 1, 2].map(|k| p.position[k][i] / self.radius));
         let found: [(f64, f64); LANES] = std::array::from_fn(at);
         for (base, (metres, weight)) in past.base.iter_mut().zip(found) {
             *base += ((metres - f64::from(*base)) * weight) as f32;

@@ -1,17 +1,17 @@
-//! A place of a landmark on the sphere with a heading. In: latitude, longitude, heading. Out: coordinates of a chunk's points about it.
+//! The local frame of a landmark on the sphere with a heading. In: latitude, longitude, heading. Out: coordinates of a chunk's points about it.
 
 use super::points::{axes, Lane, Points, LANES};
 use terrane_heightfield::angles::sin_cos;
 
 /// A point of the sphere and the directions there.
-pub(crate) struct Place {
+pub(crate) struct LocalFrame {
     /// Metres from the planet's centre.
     centre: [f64; 3],
     /// Unit vectors: up, along the heading's right, along the heading.
     frame: [[f64; 3]; 3],
 }
 
-impl Place {
+impl LocalFrame {
     /// `heading_deg` is clockwise from north.
     pub(crate) fn new(latitude_deg: f64, longitude_deg: f64, heading_deg: f64, planet_m: f64) -> Self {
         let ((sa, ca), (so, co), (sh, ch)) = (sin_cos(latitude_deg), sin_cos(longitude_deg), sin_cos(heading_deg));
@@ -27,19 +27,19 @@ impl Place {
     pub(crate) fn distances2(&self, p: &Points) -> Lane {
         let mut out = [0.0; LANES];
         for i in 0..LANES {
-            let [x, y, z] = axes(|k| p.place[k][i] - self.centre[k]);
+            let [x, y, z] = axes(|k| p.position[k][i] - self.centre[k]);
             out[i] = (x * x + y * y + z * z) as f32;
         }
         out
     }
 
-    /// Metres from the planet's centre towards the place, to the heading's right and along it.
+    /// Metres from the planet's centre towards the site, to the heading's right and along it.
     #[inline(always)]
     pub(crate) fn lanes(&self, p: &Points) -> [Lane; 3] {
         let mut out = [[0.0; LANES]; 3];
         for (out, axis) in out.iter_mut().zip(self.frame) {
             for i in 0..LANES {
-                out[i] = (p.place[0][i] * axis[0] + p.place[1][i] * axis[1] + p.place[2][i] * axis[2]) as f32;
+                out[i] = (p.position[0][i] * axis[0] + p.position[1][i] * axis[1] + p.position[2][i] * axis[2]) as f32;
             }
         }
         out
@@ -53,9 +53,9 @@ mod tests {
     #[test]
     fn headings_point_where_they_say() {
         let at = |point: [f64; 3], heading: f64| {
-            let place = Place::new(0.0, 90.0, heading, 1000.0);
+            let frame = LocalFrame::new(0.0, 90.0, heading, 1000.0);
             let p = Points::at(point.map(|x| [x; LANES]));
-            (place.distances2(&p)[0], place.lanes(&p).map(|lane| lane[0].round()))
+            (frame.distances2(&p)[0], frame.lanes(&p).map(|lane| lane[0].round()))
         };
         assert_eq!(at([0.0, 1000.0, 0.0], 0.0), (0.0, [1000.0, 0.0, 0.0]));
         // East of longitude 90 is -x, north is z.
