@@ -33,7 +33,7 @@ pub struct BorderRules {
     pub low: Vec<f64>,
     /// The wake that propagates into interior vertices.
     pub high: Vec<f64>,
-    /// Place in the queue of a border vertex.
+    /// Position in the queue of a border vertex.
     pub key: Vec<f64>,
     /// Where a border vertex falls to.
     pub target: Vec<u32>,

@@ -45,7 +45,7 @@ pub struct Faults {
 struct Entry {
     /// Wake that the vertices already collapsed ask for.
     reached: f64,
-    /// Place in the queue, the wake it had when last looked at.
+    /// Position in the queue, the wake it had when last looked at.
     key: f32,
     /// The collapse of least error when last looked at.
     into: u32,
@@ -232,7 +232,7 @@ impl Builder<'_> {
         waits
     }
 
-    /// Largest radial error at samples of the gathered vertex's collapse, and of every place on the way.
+    /// Largest radial error at samples of the gathered vertex's collapse, and of every position on the way.
     fn measure(&mut self, v: u32, into: u32) -> f64 {
         let surface = self.patch.surface;
         let error = |s: u32, own: f64, depth: f64| surface.radial_error(s, own, depth);

@@ -34,13 +34,13 @@ impl Surface {
     pub fn new(ground: &Ground, grid: &HeightGrid) -> Surface {
         let plane = GnomonicPlane::new(ground, grid);
         let steps = 0..=ground.cells as i32;
-        let places = steps.clone().flat_map(|j| steps.clone().map(move |i| (2 * i, 2 * j)));
+        let points = steps.clone().flat_map(|j| steps.clone().map(move |i| (2 * i, 2 * j)));
         let [columns, rows] = [0, 1].map(|axis| steps.clone().map(|k| plane.line(axis, 2 * k)).collect());
         let mut surface = Surface {
             cells: ground.cells,
-            samples: Samples::new(columns, rows, places.clone().map(|(a, b)| plane.sample(a, b).q)),
-            positions: places.clone().map(|(a, b)| grid.position(&ground.lattice, a, b)).collect(),
-            heights: places.map(|(a, b)| grid.height(a, b)).collect(),
+            samples: Samples::new(columns, rows, points.clone().map(|(a, b)| plane.sample(a, b).q)),
+            positions: points.clone().map(|(a, b)| grid.position(&ground.lattice, a, b)).collect(),
+            heights: points.map(|(a, b)| grid.height(a, b)).collect(),
             radius: ground.lattice.radius,
             bounds: LatticeBox::EMPTY,
             deviation: 0.0,
@@ -146,7 +146,7 @@ impl<'a> GnomonicPlane<'a> {
         GnomonicPlane { grid, radius: ground.lattice.radius, origin, scale }
     }
 
-    /// Place of a column (axis 0) or row (axis 1) of half cells, in mean cells from the patch's first corner.
+    /// Position of a column (axis 0) or row (axis 1) of half cells, in mean cells from the patch's first corner.
     fn line(&self, axis: usize, k: i32) -> f64 {
         let lines = [&self.grid.warped.columns, &self.grid.warped.rows];
         (lines[axis][(k + GUTTER) as usize] - self.origin[axis]) * self.scale[axis]

@@ -3,8 +3,8 @@
 //! Closure (docs/design.md, "Wake distance") survives quantisation because a wake is rounded *before* it propagates to other
 //! vertices.
 
-/// A wake distance in lattice units. The vertex is in its own place when the viewer is nearer than this times the view's scale, and
-/// awake from [`MORPH_REACH`] times as far.
+/// A wake distance in lattice units. The vertex is in its own position when the viewer is nearer than this times the view's
+/// scale, and awake from [`MORPH_REACH`] times as far.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Default)]
 pub struct Wake(u16);
 
@@ -21,11 +21,13 @@ const ONE: u64 = 1.0f64.to_bits() >> DROPPED_BITS;
 /// included: its planes multiply the rounding error by at most G_max = 3).
 pub const PROPAGATION_MARGIN: f64 = 1.0 + 4e-6;
 
-/// How much farther than its wake a vertex already wakes, to slide from its parent's place to its own until the viewer is as near
-/// as its wake. Wakes grow by this factor along every dependency, so that whatever a sliding vertex stands among stands still.
+/// How much farther than its wake a vertex already wakes, to slide from its parent's position to its own until the viewer is as
+/// near as its wake. Wakes grow by this factor along every dependency, so that whatever a sliding vertex stands among stands
+/// still.
 pub const MORPH_REACH: f64 = 1.03125;
 
-/// The least wake of a vertex with which it is awake and in its place wherever one of this `wake`, `edge` away, is awake at all.
+/// The least wake of a vertex with which it is awake and in its own position wherever one of this `wake`, `edge` away, is awake
+/// at all.
 pub fn asked(wake: f64, edge: f64) -> f64 {
     (wake * MORPH_REACH + edge) * PROPAGATION_MARGIN
 }

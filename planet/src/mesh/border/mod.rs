@@ -12,7 +12,7 @@ use crate::globe::sphere::{CubePoint, ONE};
 use crate::ground::{Ground, SurfacePoint};
 use strip::Strip;
 
-/// Lattice units by which a drawn point may lie off its ideal place, because vertices are rounded to the lattice. Part of
+/// Lattice units by which a drawn point may lie off its ideal position, because vertices are rounded to the lattice. Part of
 /// every measured error.
 pub const ROUNDING: f64 = 1.0;
 

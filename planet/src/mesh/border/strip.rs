@@ -10,8 +10,8 @@ use std::ops::RangeInclusive;
 /// Line and row in the gnomonic plane of the face that holds both: straight and parallel there, with a depth that is affine on
 /// every triangle.
 pub(super) struct Strip {
-    /// Places along the line, the same on the row.
-    places: Vec<f64>,
+    /// Positions along the line, the same on the row.
+    positions: Vec<f64>,
     /// Depths on the line, and on the row beside it.
     depths: [Vec<f64>; 2],
     edges: Vec<CrossEdges>,
@@ -22,10 +22,10 @@ pub(super) struct Strip {
 /// Cells taken together.
 const CELLS: usize = 4;
 
-/// Edges of the grid from line to row, two a cell: on the line their place and depth, to the row what is added.
+/// Edges of the grid from line to row, two a cell: on the line their position and depth, to the row what is added.
 #[derive(Clone, Copy, Default)]
 struct CrossEdges {
-    place: [f64; 2 * CELLS],
+    position: [f64; 2 * CELLS],
     run: [f64; 2 * CELLS],
     depth: [f64; 2 * CELLS],
     rise: [f64; 2 * CELLS],
@@ -36,9 +36,9 @@ impl Strip {
     pub(super) fn new(line: &[SurfacePoint], row: &[SurfacePoint], along: usize, across: usize) -> Strip {
         let depths = [line, row].map(|row| row.iter().map(|p| 1.0 / p.ideal[across].abs()).collect::<Vec<_>>());
         let least = depths.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-        let places = line.iter().map(|p| p.ideal[along] / p.ideal[across].abs()).collect();
+        let positions = line.iter().map(|p| p.ideal[along] / p.ideal[across].abs()).collect();
         let farthest = line.iter().chain(row).map(|p| p.ideal.length()).fold(0.0, f64::max);
-        let mut strip = Strip { places, depths, edges: Vec::new(), radius: farthest / least };
+        let mut strip = Strip { positions, depths, edges: Vec::new(), radius: farthest / least };
         strip.edges = (0..line.len() - 1).step_by(CELLS).map(|first| strip.edges_of(first)).collect();
         strip
     }
@@ -47,11 +47,11 @@ impl Strip {
     /// diagonals of either side meet at even samples of the line.
     fn edges_of(&self, first: usize) -> CrossEdges {
         let mut edges = CrossEdges::default();
-        let cells = (first..self.places.len() - 1).take(CELLS);
+        let cells = (first..self.positions.len() - 1).take(CELLS);
         let ends = cells.flat_map(|k| [(k, k), (k + k % 2, k + 1 - k % 2)]);
         for (at, (a, b)) in ends.enumerate() {
-            edges.place[at] = self.places[a];
-            edges.run[at] = self.places[b] - self.places[a];
+            edges.position[at] = self.positions[a];
+            edges.run[at] = self.positions[b] - self.positions[a];
             edges.depth[at] = self.depths[0][a];
             edges.rise[at] = self.depths[1][b] - self.depths[0][a];
         }
@@ -61,22 +61,22 @@ impl Strip {
     /// Largest radial error, at crossings, of the edges from `target` on the line to the samples `rim` of the row.
     pub(super) fn fan_error(&self, target: usize, rim: RangeInclusive<usize>) -> f64 {
         let error = |q: usize| {
-            let (place, depth) = (self.places[target], self.depths[0][target]);
-            let new = [place, self.places[q] - place, depth, self.depths[1][q] - depth];
+            let (position, depth) = (self.positions[target], self.depths[0][target]);
+            let new = [position, self.positions[q] - position, depth, self.depths[1][q] - depth];
             crossing_error(&self.edges[target.min(q) / CELLS..target.max(q).div_ceil(CELLS)], new)
         };
         rim.map(error).fold(0.0, f64::max) * self.radius
     }
 }
 
-/// Largest difference of depth where a new edge (place, run, depth, rise) crosses those of the grid. Edges that it does not cross do
-/// not count.
+/// Largest difference of depth where a new edge (position, run, depth, rise) crosses those of the grid. Edges that it does not
+/// cross do not count.
 #[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
-fn crossing_error(edges: &[CrossEdges], [place, run, depth, rise]: [f64; 4]) -> f64 {
+fn crossing_error(edges: &[CrossEdges], [position, run, depth, rise]: [f64; 4]) -> f64 {
     let mut worst = [0.0f64; 2 * CELLS];
     for edges in edges {
         for (k, worst) in worst.iter_mut().enumerate() {
-            let across = (edges.place[k] - place) / (run - edges.run[k]);
+            let across = (edges.position[k] - position) / (run - edges.run[k]);
             let error = (depth - edges.depth[k] + across * (rise - edges.rise[k])).abs();
             let counts = 0.0 < across && across < 1.0 && error > *worst;
             *worst = if counts { error } else { *worst };

@@ -1,6 +1,6 @@
 //! Triangle lists of a patch: index levels, and within each of them tiles.
 //!
-//! A level is the mesh in which only the first `vertices` places of the wake order are awake. For any awake set within that
+//! A level is the mesh in which only the first `vertices` of the wake order are awake. For any awake set within that
 //! prefix, a triangle that is degenerate in the level is degenerate for good, because the first awake ancestor of a vertex is
 //! that of its first ancestor in the prefix. A triangle of the full grid belongs to the tile that its cell lies in, however far its
 //! corners move from level to level; so every tile of a patch can be drawn from a level of its own.
@@ -42,7 +42,7 @@ impl IndexLevel {
 pub struct IndexLevels {
     /// The levels, finest first.
     pub levels: Vec<IndexLevel>,
-    /// Triangles of all levels, as places in the wake order, counter-clockwise from outside, tile by tile within a level and row by
+    /// Triangles of all levels, as vertex indices, counter-clockwise from outside, tile by tile within a level and row by
     /// row within a tile. All levels together hold 2.75 times the triangles of the finest.
     pub triangles: Vec<[u16; 3]>,
 }
@@ -83,14 +83,14 @@ pub fn tile_of_cell(column: usize, row: usize, cells: usize) -> usize {
 
 /// Triangles of the full grid by tile.
 fn full_grid(mesh: &PatchMesh) -> [Vec<[u16; 3]>; TILES] {
-    let mut place = vec![0u16; mesh.vertices.len()];
+    let mut index_of = vec![0u16; mesh.vertices.len()];
     for (k, vertex) in mesh.vertices.iter().enumerate() {
-        place[usize::from(vertex.grid)] = k as u16;
+        index_of[usize::from(vertex.grid)] = k as u16;
     }
     let cells = mesh.cells as usize;
     let mut tiles: [Vec<[u16; 3]>; TILES] = Default::default();
     for (cell, pair) in grid_triangles(mesh.cells).chunks(2).enumerate() {
-        tiles[tile_of_cell(cell % cells, cell / cells, cells)].extend(pair.iter().map(|t| t.map(|v| place[v as usize])));
+        tiles[tile_of_cell(cell % cells, cell / cells, cells)].extend(pair.iter().map(|t| t.map(|v| index_of[v as usize])));
     }
     tiles
 }

@@ -21,7 +21,7 @@ pub struct Vertex {
     pub wake: Wake,
     /// Coarser wake: that next to a coarser neighbour.
     pub coarser_wake: Wake,
-    /// Vertex index (place in wake order) of the vertex it collapses into; always before its own, except for vertices that never
+    /// Vertex index of the vertex it collapses into; always before its own, except for vertices that never
     /// collapse, which name themselves.
     pub parent: u16,
 }
@@ -89,16 +89,16 @@ fn in_wake_order(surface: &Surface, hierarchy: &Hierarchy) -> Vec<Vertex> {
     let mut order: Vec<u32> = (0..count as u32).collect();
     // Of equal wakes the one that collapsed later comes first, so that parents always precede their children.
     order.sort_by_key(|&v| std::cmp::Reverse((largest_wake(v), collapsed_at[v as usize], std::cmp::Reverse(v))));
-    let mut place = vec![0u16; count];
+    let mut index_of = vec![0u16; count];
     for (k, &v) in order.iter().enumerate() {
-        place[v as usize] = k as u16;
+        index_of[v as usize] = k as u16;
     }
     let vertex = |&v: &u32| Vertex {
         grid: v as u16,
         height: surface.heights[v as usize],
         wake: hierarchy.wake[v as usize],
         coarser_wake: hierarchy.coarser_wake[v as usize],
-        parent: place[hierarchy.parent[v as usize] as usize],
+        parent: index_of[hierarchy.parent[v as usize] as usize],
     };
     order.iter().map(vertex).collect()
 }

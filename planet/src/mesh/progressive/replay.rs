@@ -3,16 +3,16 @@
 use super::patch_mesh::PatchMesh;
 use terrane_heightfield::decimate::mesh::Mesh;
 
-/// Ring of every vertex at the time it collapses, as places in the wake order (empty for vertices that never do).
+/// Ring of every vertex at the time it collapses, as vertex indices (empty for vertices that never do).
 ///
 /// Collapsing in reverse wake order gives the same rings as the builder's own order, since a wake order is another order of the
 /// same dependencies; `None` if a record does not fit that (a damaged or foreign hierarchy).
 pub fn rings(mesh: &PatchMesh) -> Option<Vec<Vec<u16>>> {
     let side = mesh.cells as usize + 1;
     let mut connectivity = Mesh::grid(side, side);
-    let mut place = vec![0u16; mesh.vertices.len()];
+    let mut index_of = vec![0u16; mesh.vertices.len()];
     for (k, vertex) in mesh.vertices.iter().enumerate() {
-        *place.get_mut(usize::from(vertex.grid))? = k as u16;
+        *index_of.get_mut(usize::from(vertex.grid))? = k as u16;
     }
     let mut rings = vec![Vec::new(); mesh.vertices.len()];
     let (mut ring, mut star) = (Vec::new(), Vec::new());
@@ -26,7 +26,7 @@ pub fn rings(mesh: &PatchMesh) -> Option<Vec<Vec<u16>>> {
         if !ring.contains(&into) {
             return None;
         }
-        rings[k] = ring.iter().map(|&r| place[r as usize]).collect();
+        rings[k] = ring.iter().map(|&r| index_of[r as usize]).collect();
         connectivity.collapse(v, into, &mut star);
     }
     Some(rings)
