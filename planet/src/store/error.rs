@@ -62,10 +62,10 @@ pub enum RecordError {
     #[error("{0} bytes too many")]
     Trailing(usize),
     /// A vertex that no builder makes.
-    #[error("vertex {place}: {reason}")]
+    #[error("vertex {index}: {reason}")]
     Vertex {
-        /// Place in wake order.
-        place: usize,
+        /// Vertex index.
+        index: usize,
         /// Which rule it breaks.
         reason: &'static str,
     },

@@ -95,13 +95,13 @@ fn validate(mesh: &PatchMesh) -> Result<(), RecordError> {
     let mut seen = vec![false; count];
     let mut previous = Wake::ALWAYS;
     let (mut low, mut high) = (i32::MAX, i32::MIN);
-    for (place, vertex) in mesh.vertices.iter().enumerate() {
-        let wrong = |reason| Err(RecordError::Vertex { place, reason });
+    for (index, vertex) in mesh.vertices.iter().enumerate() {
+        let wrong = |reason| Err(RecordError::Vertex { index, reason });
         match seen.get_mut(usize::from(vertex.grid)) {
             Some(slot) if !*slot => *slot = true,
             _ => return wrong("its grid position is taken or outside the grid"),
         }
-        if usize::from(vertex.parent) > place {
+        if usize::from(vertex.parent) > index {
             return wrong("its parent comes after it");
         }
         if vertex.largest_wake() > previous {
@@ -172,7 +172,7 @@ fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError
         return Err(RecordError::Measure("streams are missing"));
     };
     let side = cells + 1;
-    let mut place_of = vec![u16::MAX; positions.len()];
+    let mut index_of = vec![u16::MAX; positions.len()];
     let mut heights = vec![0i32; positions.len()];
     let mut next = residuals.iter();
     midpoint_order(cells as usize, |v, around| {
@@ -181,31 +181,31 @@ fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError
     });
     let mut largest = u32::from(Wake::ALWAYS.code());
     let mut vertices = Vec::with_capacity(positions.len());
-    for (place, &position) in positions.iter().enumerate() {
-        let wrong = |reason| RecordError::Vertex { place, reason };
+    for (index, &position) in positions.iter().enumerate() {
+        let wrong = |reason| RecordError::Vertex { index, reason };
         let (row, column) = (position >> 8, position & 0xff);
         if row >= side || column >= side {
             return Err(wrong("its grid position is outside the grid"));
         }
         let grid = row * side + column;
-        place_of[grid as usize] = place as u16;
-        let (down, across) = (ways[place] >> 8, ways[place] & 0xff);
-        let parent = place_of[((row + down) % side * side + (column + across) % side) as usize];
-        if usize::from(parent) > place {
+        index_of[grid as usize] = index as u16;
+        let (down, across) = (ways[index] >> 8, ways[index] & 0xff);
+        let parent = index_of[((row + down) % side * side + (column + across) % side) as usize];
+        if usize::from(parent) > index {
             return Err(wrong("its parent comes after it"));
         }
-        largest = largest.checked_sub(steps[place]).ok_or(wrong("its wake falls below zero"))?;
+        largest = largest.checked_sub(steps[index]).ok_or(wrong("its wake falls below zero"))?;
         let lacks = |deficit: u32| {
             largest.checked_sub(deficit).map(|code| Wake::from_code(code as u16)).ok_or(wrong("its wake falls below zero"))
         };
-        if deficits[place] != 0 && coarser_deficits[place] != 0 {
+        if deficits[index] != 0 && coarser_deficits[index] != 0 {
             return Err(wrong("neither of its wakes is the larger one"));
         }
         vertices.push(Vertex {
             grid: grid as u16,
             height: heights[grid as usize],
-            wake: lacks(deficits[place])?,
-            coarser_wake: lacks(coarser_deficits[place])?,
+            wake: lacks(deficits[index])?,
+            coarser_wake: lacks(coarser_deficits[index])?,
             parent,
         });
     }

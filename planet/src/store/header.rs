@@ -76,8 +76,8 @@ fn write_header(draft: &Path, header: &PlanetHeader) -> rusqlite::Result<()> {
             checksum
         ],
     )?;
-    for (place, asset) in header.assets.iter().enumerate() {
-        transaction.execute("INSERT INTO asset VALUES (?1, ?2, ?3)", params![place as i64, asset.name, asset.bytes])?;
+    for (index, asset) in header.assets.iter().enumerate() {
+        transaction.execute("INSERT INTO asset VALUES (?1, ?2, ?3)", params![index as i64, asset.name, asset.bytes])?;
     }
     transaction.commit()?;
     connection.close().map_err(|(_, source)| source)

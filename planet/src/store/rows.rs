@@ -40,9 +40,9 @@ pub(super) fn checksum(record: &PatchRecord) -> u32 {
 /// The row's record and checksum; the inner error says which patch is damaged and how.
 pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), String>> {
     let stated: i64 = row.get(0)?;
-    let place = (row.get::<_, u8>(1)?, row.get::<_, u8>(2)?, row.get::<_, u32>(3)?, row.get::<_, u32>(4)?);
-    let Some(id) = Face::new(place.0).and_then(|face| PatchId::new(face, place.1, place.2, place.3)) else {
-        return Ok(Err(format!("a row names the patch {place:?}, which does not exist")));
+    let address = (row.get::<_, u8>(1)?, row.get::<_, u8>(2)?, row.get::<_, u32>(3)?, row.get::<_, u32>(4)?);
+    let Some(id) = Face::new(address.0).and_then(|face| PatchId::new(face, address.1, address.2, address.3)) else {
+        return Ok(Err(format!("a row names the patch {address:?}, which does not exist")));
     };
     let record = PatchRecord {
         id,
@@ -69,11 +69,11 @@ pub(super) fn insert<'a>(connection: &Connection, patches: &'a [BakedPatch]) -> 
     let mut added = Vec::new();
     for BakedPatch { record, geometry, texture } in patches {
         let id = record.id;
-        let place = [key(id), id.face.index().into(), id.level.into(), id.x.into(), id.y.into()];
+        let address = [key(id), id.face.index().into(), id.level.into(), id.x.into(), id.y.into()];
         let (facts, stated) = (facts::columns(&record.facts), [record.always_awake, checksum(record)]);
-        let place = place.iter().map(|number| number as &dyn ToSql);
+        let address = address.iter().map(|number| number as &dyn ToSql);
         let stated = stated.iter().map(|number| number as &dyn ToSql);
-        let values = place.chain(facts.iter().map(|value| value as &dyn ToSql)).chain(stated);
+        let values = address.chain(facts.iter().map(|value| value as &dyn ToSql)).chain(stated);
         let values = values.chain([geometry as &dyn ToSql, texture]);
         if statement.execute(params_from_iter(values))? == 1 {
             added.push(record);
