@@ -1,4 +1,4 @@
-//! Edits: places where the ground is changed after all layers, in order. In: one `[[edit]]` table, or numbers. Out: a checked
+//! Edits: sites where the ground is changed after all layers, in order. In: one `[[edit]]` table, or numbers. Out: a checked
 //! [`Edit`], and the text that appends it to a recipe. What each one looks like is in `recipes/README.md`.
 
 use super::error::RecipeError;
@@ -29,7 +29,7 @@ pub enum Shape {
         /// crater is dug: an impact leaves no old relief. Without it the old relief shows through.
         ground_m: Option<f64>,
     },
-    /// A level place, with a smooth shoulder in the outer quarter of the radius.
+    /// A level site, with a smooth shoulder in the outer quarter of the radius.
     Flatten {
         /// Metres above the datum (-100000 to 100000).
         height_m: f64,
@@ -127,12 +127,12 @@ impl Edit {
     }
 
     fn ranges(&self, planet_m: f64) -> Vec<Number> {
-        let place = [
+        let site = [
             ("latitude_deg", self.latitude_deg, LATITUDES),
             ("longitude_deg", self.longitude_deg, LONGITUDES),
             ("radius_m", self.radius_m, radii(planet_m)),
         ];
-        place.into_iter().chain(self.shape.numbers()).collect()
+        site.into_iter().chain(self.shape.numbers()).collect()
     }
 
     /// Checks all numbers for a planet of `planet_m` metres radius.
