@@ -8,7 +8,7 @@ layout(constant_id = 0) const float DEPTH_LIFT = 1.0;
 
 layout(scalar, binding = 4) readonly buffer View { FrameView view; };
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
-layout(scalar, binding = 5) readonly buffer Places { DrawnVertex places[]; };
+layout(scalar, binding = 5) readonly buffer DrawnPositions { DrawnVertex drawn_positions[]; };
 
 layout(location = 0) out vec3 out_position;
 layout(location = 1) out vec2 out_grid;
@@ -26,7 +26,7 @@ void main() {
     uint number = uint(gl_VertexIndex) >> VERTEX_BITS;
     uint v = uint(gl_VertexIndex) & ((1u << VERTEX_BITS) - 1u);
     Vertices vertices = Vertices(patches[number].vertices);
-    DrawnVertex drawn = places[patches[number].resolve_offset + v];
+    DrawnVertex drawn = drawn_positions[patches[number].resolve_offset + v];
     precise vec3 position = (drawn.place + view.shift) * view.unit;
     precise vec4 clip = view.clip * vec4(position, 1.0);
     out_position = position;

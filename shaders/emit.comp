@@ -12,7 +12,7 @@ layout(scalar, binding = 2) readonly buffer Tasks { Task tasks[]; };
 layout(scalar, binding = 3) readonly buffer Resolved { uint resolved[]; };
 layout(scalar, binding = 4) writeonly buffer Indices { uint indices[]; };
 layout(scalar, binding = 5) buffer State { EmitState state; };
-layout(scalar, binding = 6) readonly buffer Places { DrawnVertex places[]; };
+layout(scalar, binding = 6) readonly buffer DrawnPositions { DrawnVertex drawn_positions[]; };
 
 layout(push_constant) uniform Push { uint task_count; };
 
@@ -34,9 +34,9 @@ bool faces_away(vec3 a, vec3 b, vec3 c) {
 // `first` is where the patch's drawn vertices begin.
 bool is_culled(uint first, uvec3 corners) {
     if (view.culling == 0u) return false;
-    vec3 a = places[first + corners.x].place;
-    vec3 b = places[first + corners.y].place;
-    vec3 c = places[first + corners.z].place;
+    vec3 a = drawn_positions[first + corners.x].place;
+    vec3 b = drawn_positions[first + corners.y].place;
+    vec3 c = drawn_positions[first + corners.z].place;
     if ((view.culling & CULL_FRUSTUM) != 0u) {
         for (int k = 0; k < view.planes.length(); ++k) {
             if (beyond(a, view.planes[k]) && beyond(b, view.planes[k]) && beyond(c, view.planes[k])) return true;

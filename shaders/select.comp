@@ -14,7 +14,7 @@ layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(scalar, binding = 2) readonly buffer Tasks { Task tasks[]; };
 layout(scalar, binding = 3) writeonly buffer Awake { uint awake[]; };
 layout(scalar, binding = 4) buffer State { EmitState state; };
-layout(scalar, binding = 5) writeonly buffer Places { DrawnVertex places[]; };
+layout(scalar, binding = 5) writeonly buffer DrawnPositions { DrawnVertex drawn_positions[]; };
 
 layout(push_constant) uniform Push { uint task_count; };
 
@@ -83,7 +83,7 @@ bool is_awake(PatchVertex vertex, uint sides, out float weight) {
 bool select_vertex(Vertices vertices, uint v, PatchDraw target) {
     float weight;
     bool awake = is_awake(vertices.at[v], target.coarser_sides, weight);
-    places[target.resolve_offset + v] = DrawnVertex(drawn_position(vertices, v, awake ? weight : 0.0), weight);
+    drawn_positions[target.resolve_offset + v] = DrawnVertex(drawn_position(vertices, v, awake ? weight : 0.0), weight);
     return awake;
 }
 

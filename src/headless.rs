@@ -138,7 +138,7 @@ impl Headless {
         Ok(Selection {
             awake: download(&self.context, &buffers.awake, report.tables.awake_words as usize)?,
             resolved: download(&self.context, &buffers.resolved, report.tables.vertices as usize)?,
-            drawn_positions: download(&self.context, &buffers.places, report.tables.vertices as usize)?,
+            drawn_positions: download(&self.context, &buffers.drawn_positions, report.tables.vertices as usize)?,
             triangles: download(&self.context, &buffers.indices, emitted as usize)?,
         })
     }

@@ -40,7 +40,7 @@ pub struct FrameBuffers {
     /// Resolved vertices, GPU-written.
     pub resolved: Buffer,
     /// Drawn vertices, GPU-written, at the offsets of the resolved ones.
-    pub places: Buffer,
+    pub drawn_positions: Buffer,
     /// Emitted triangles, GPU-written.
     pub indices: Buffer,
     /// Counters and the indirect draw, GPU-written.
@@ -58,7 +58,7 @@ impl FrameBuffers {
             max_triangles: MAX_TRIANGLES,
             awake: storage(context, "awake", 4096)?,
             resolved: storage(context, "resolved", 4096)?,
-            places: storage(context, "places", 4096)?,
+            drawn_positions: storage(context, "drawn positions", 4096)?,
             indices: indices(context, 1024)?,
             state: Buffer::new(
                 context,
@@ -79,7 +79,7 @@ impl FrameBuffers {
         grow(&mut self.awake, 4 * u64::from(tables.awake_words), |bytes| storage(&context, "awake", bytes))?;
         grow(&mut self.resolved, 4 * u64::from(tables.vertices), |bytes| storage(&context, "resolved", bytes))?;
         let drawn = bytes_of::<DrawnVertex>() * u64::from(tables.vertices);
-        grow(&mut self.places, drawn, |bytes| storage(&context, "places", bytes))?;
+        grow(&mut self.drawn_positions, drawn, |bytes| storage(&context, "drawn positions", bytes))?;
         grow(&mut self.indices, 12 * u64::from(capacity), |bytes| indices(&context, bytes))?;
         self.inputs[self.slot].write(&context, tables, view, shading, capacity)
     }

@@ -89,7 +89,7 @@ impl Draw {
 /// Makes ready what the mesh stages wrote.
 fn ready_geometry(commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
     commands.ready(&[
-        buffers.places.to(Access::GraphicsRead),
+        buffers.drawn_positions.to(Access::GraphicsRead),
         buffers.indices.to(Access::IndexRead),
         buffers.state.to(Access::IndirectRead),
     ])
@@ -105,6 +105,6 @@ fn geometry(buffers: &FrameBuffers) -> [(&'static str, Resource<'_>); 3] {
     [
         ("View", Resource::Storage(buffers.view())),
         ("Patches", Resource::Storage(buffers.patches())),
-        ("Places", Resource::Storage(&buffers.places)),
+        ("DrawnPositions", Resource::Storage(&buffers.drawn_positions)),
     ]
 }

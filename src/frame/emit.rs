@@ -21,10 +21,10 @@ impl Emit {
         })
     }
 
-    /// Records the stage: reads `buffers.resolved` and `buffers.places`, fills `buffers.indices` and `buffers.state`.
+    /// Records the stage: reads `buffers.resolved` and `buffers.drawn_positions`, fills `buffers.indices` and `buffers.state`.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let tasks = &buffers.tasks().emit;
-        commands.ready(&[&buffers.resolved, &buffers.places].map(|buffer| buffer.to(Access::ComputeRead)))?;
+        commands.ready(&[&buffers.resolved, &buffers.drawn_positions].map(|buffer| buffer.to(Access::ComputeRead)))?;
         commands.ready(&[&buffers.indices, &buffers.state].map(|buffer| buffer.to(Access::ComputeWrite)))?;
         commands.bind(
             &self.emit,
@@ -35,7 +35,7 @@ impl Emit {
                 ("Resolved", Resource::Storage(&buffers.resolved)),
                 ("Indices", Resource::Storage(&buffers.indices)),
                 ("State", Resource::Storage(&buffers.state)),
-                ("Places", Resource::Storage(&buffers.places)),
+                ("DrawnPositions", Resource::Storage(&buffers.drawn_positions)),
             ],
         )?;
         commands.push_constants(&tasks.count)?;

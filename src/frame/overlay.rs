@@ -106,9 +106,9 @@ mod tests {
     #[test]
     fn text_wraps_between_words_and_stays_in_its_columns() {
         let cells = layout("ab cd\nüx", 4);
-        let place = |cell: &u32| (cell & 0x3ff, cell >> 10 & 0x3ff, char::from_u32(cell >> 20).unwrap());
+        let decoded = |cell: &u32| (cell & 0x3ff, cell >> 10 & 0x3ff, char::from_u32(cell >> 20).unwrap());
         let expected = [(0, 0, 'a'), (1, 0, 'b'), (2, 0, ' '), (0, 1, 'c'), (1, 1, 'd'), (0, 2, '?'), (1, 2, 'x')];
-        assert_eq!(cells.iter().map(place).collect::<Vec<_>>(), expected);
+        assert_eq!(cells.iter().map(decoded).collect::<Vec<_>>(), expected);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Stage `select`: awake bits and places of every vertex in reach. Shader: `select.comp`. Twin: `reference/select.rs`.
+//! Stage `select`: awake bits and drawn positions of every vertex in reach. Shader: `select.comp`. Twin: `reference/select.rs`.
 
 use super::buffers::FrameBuffers;
 use crate::shaders;
@@ -21,10 +21,11 @@ impl Select {
         Ok(Select { pipeline: ComputePipeline::new(context, &shaders::SELECT_COMP, &[(0, ballot)])? })
     }
 
-    /// Records the stage: fills `buffers.awake` and `buffers.places`, and counts the awake vertices.
+    /// Records the stage: fills `buffers.awake` and `buffers.drawn_positions`, and counts the awake vertices.
     pub(super) fn record(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let tasks = &buffers.tasks().select;
-        commands.ready(&[&buffers.awake, &buffers.places, &buffers.state].map(|buffer| buffer.to(Access::ComputeWrite)))?;
+        commands
+            .ready(&[&buffers.awake, &buffers.drawn_positions, &buffers.state].map(|buffer| buffer.to(Access::ComputeWrite)))?;
         commands.bind(
             &self.pipeline,
             &[
@@ -33,7 +34,7 @@ impl Select {
                 ("Tasks", Resource::Storage(&tasks.buffer)),
                 ("Awake", Resource::Storage(&buffers.awake)),
                 ("State", Resource::Storage(&buffers.state)),
-                ("Places", Resource::Storage(&buffers.places)),
+                ("DrawnPositions", Resource::Storage(&buffers.drawn_positions)),
             ],
         )?;
         commands.push_constants(&tasks.count)?;

@@ -37,9 +37,9 @@ impl Look {
     }
 }
 
-/// The sun as seen from a place: degrees clockwise from north, and degrees above the horizon.
-pub fn sun_over(place: DVec3, azimuth: f64, elevation: f64) -> DVec3 {
-    let frame = local_frame(place);
+/// The sun as seen from a site: degrees clockwise from north, and degrees above the horizon.
+pub fn sun_over(site: DVec3, azimuth: f64, elevation: f64) -> DVec3 {
+    let frame = local_frame(site);
     let (a, e) = (azimuth.to_radians(), elevation.to_radians());
     (frame.y_axis * a.cos() + frame.x_axis * a.sin()) * e.cos() + frame.z_axis * e.sin()
 }

@@ -39,12 +39,12 @@ impl DrawnGround {
         self.heights(direction).map(|[drawn, finest]| drawn.max(finest))
     }
 
-    /// Whether a place, in planet-fixed metres, lies in the ground: below both.
-    pub fn buries(&self, place: DVec3) -> bool {
+    /// Whether a position, in planet-fixed metres, lies in the ground: below both.
+    pub fn buries(&self, position: DVec3) -> bool {
         let lattice = &self.known.lattice;
-        let height = place.length() - lattice.radius * lattice.unit;
+        let height = position.length() - lattice.radius * lattice.unit;
         // The very centre lies in no direction, and in the ground.
-        let direction = if place.length() > 0.0 { place } else { DVec3::X };
+        let direction = if position.length() > 0.0 { position } else { DVec3::X };
         self.heights(direction).is_some_and(|[drawn, finest]| height < drawn.min(finest))
     }
 

@@ -7,7 +7,7 @@ use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::view::View;
 use terrane_planet::draw::work::{Reach, Work};
 
-/// Bytes of a triangle: three 16-bit places.
+/// Bytes of a triangle: three 16-bit vertex indices.
 const TRIANGLE_BYTES: u64 = 6;
 
 /// Bytes that a patch of `cells` cells a side takes, about: its vertices, and the triangles of all index levels, 2.75 times the finest.
