@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use terrane_planet::draw::cut::cut;
 use terrane_planet::globe::patch::PatchId;
-use terrane_planet::globe::sphere::place_of;
+use terrane_planet::globe::sphere::latitude_longitude;
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::edits::{add, finish};
 use terrane_planet::planet::Planet;
@@ -27,7 +27,7 @@ fn corner() -> DVec3 {
 
 fn edits() -> [Edit; 3] {
     let at = |offset: [f64; 3], radius_m, shape| {
-        let (latitude_deg, longitude_deg) = place_of(corner() + DVec3::from_array(offset));
+        let (latitude_deg, longitude_deg) = latitude_longitude(corner() + DVec3::from_array(offset));
         Edit { latitude_deg, longitude_deg, radius_m, shape }
     };
     [

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::OnceLock;
 use terrane_planet::globe::patch::PatchId;
-use terrane_planet::globe::sphere::{direction, place_of, ONE};
+use terrane_planet::globe::sphere::{direction, latitude_longitude, ONE};
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::edits::{add, finish, mean_height, undo, Changed, EditError};
 use terrane_planet::planet::{Planet, PlanetError};
@@ -26,7 +26,7 @@ fn tiny() -> Recipe {
 }
 
 fn edit_at(site: DVec3, radius_m: f64, shape: Shape) -> Edit {
-    let (latitude_deg, longitude_deg) = place_of(site);
+    let (latitude_deg, longitude_deg) = latitude_longitude(site);
     Edit { latitude_deg, longitude_deg, radius_m, shape }
 }
 

@@ -24,7 +24,7 @@ fn low_sun(site: DVec3, azimuth: f64) -> DVec3 {
     (0.15 * site + east * azimuth.sin() + north * azimuth.cos()).normalize()
 }
 
-/// Sine of the horizon angle by brute force: the terrain at steps of an eighth of a cell near the place, and at longer ones farther away.
+/// Sine of the horizon angle by brute force: the terrain at steps of an eighth of a cell near the site, and at longer ones farther away.
 fn brute(planet: &Planet, up: DVec3, sun: DVec3, cell: f64) -> f64 {
     let towards = (sun - up * sun.dot(up)).normalize();
     let own = planet.terrain.height(up);
@@ -66,7 +66,7 @@ fn horizon_angles_agree_with_brute_force() {
     let planet = planet("luna");
     let right = differences(&planet, 0.0);
     let share = |sorted: &[f64], q: f64| sorted[(q * (sorted.len() - 1) as f64) as usize];
-    // The map does not know the ground between its samples: the median is off by half a degree, places below crater rims by two.
+    // The map does not know the ground between its samples: the median is off by half a degree, sites below crater rims by two.
     assert!(share(&right, 0.5) < 0.01 && share(&right, 0.95) < 0.04, "{} {}", share(&right, 0.5), share(&right, 0.95));
     let turned = differences(&planet, 1.5);
     let medians = [share(&right, 0.5), share(&turned, 0.5)];

@@ -283,7 +283,7 @@ fn a_rift_has_a_floor_and_lies_at_its_place() {
     assert!(ground.iter().filter(|&&h| h < -600.0).count() > 100);
     let far = spread(40_000).into_iter().filter(|d| d.dot(turned(-10.0, 70.0)) < 0.5);
     assert!(heights(&terrain, &far.collect::<Vec<_>>()).iter().all(|&h| h == 0.0));
-    // Two rifts at one place are as deep as one.
+    // Two rifts at one site are as deep as one.
     let twice = dry(&format!("{RIFT}\n[[layer]]\n{RIFT}"));
     assert!(heights(&twice, &spread(40_000)).iter().all(|h| (-900.001..=0.0).contains(h)));
 }

@@ -32,8 +32,8 @@ counts! {
         patches,
         /// Awake bits.
         awake,
-        /// Places and morph weights of vertices.
-        places,
+        /// Drawn positions and morph weights of vertices.
+        drawn_positions,
         /// Resolved vertices.
         resolved,
         /// Triangles emitted without culling that only one side has.

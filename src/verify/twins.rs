@@ -89,7 +89,12 @@ impl<'a> Twin<'a> {
         let differing_bits = |(a, b): (&u32, &u32)| (a ^ b).count_ones() as usize;
         Mismatches {
             awake: self.words_of(draw, selection).iter().zip(&self.selected.awake).map(differing_bits).sum(),
-            places: self.drawn_positions_of(draw, selection).iter().zip(self.drawn_positions()).filter(|(a, b)| a != b).count(),
+            drawn_positions: self
+                .drawn_positions_of(draw, selection)
+                .iter()
+                .zip(self.drawn_positions())
+                .filter(|(a, b)| a != b)
+                .count(),
             resolved: resolved.iter().zip(&self.resolved).filter(|(a, b)| a != b).count(),
             ..Mismatches::default()
         }

@@ -95,7 +95,7 @@ fn one_morph_weight_that_differs_on_the_cpu_is_noticed() {
     vertex.grid_wake += 1 << 16;
     vertex.parent_coarser_wake += 1 << 16;
     let found = bench.verifier.check(&mut bench.scene, &mut bench.headless, &view).unwrap().mismatches;
-    assert_eq!(found, Mismatches { places: 1, culled_triangles: found.culled_triangles, ..Mismatches::default() });
+    assert_eq!(found, Mismatches { drawn_positions: 1, culled_triangles: found.culled_triangles, ..Mismatches::default() });
 }
 
 #[test]

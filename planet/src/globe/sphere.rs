@@ -61,7 +61,7 @@ pub fn direction_at(latitude: f64, longitude: f64) -> DVec3 {
 }
 
 /// Latitude and longitude in degrees of a direction (any length but zero).
-pub fn place_of(direction: DVec3) -> (f64, f64) {
+pub fn latitude_longitude(direction: DVec3) -> (f64, f64) {
     let horizontal = direction.x.hypot(direction.y);
     (direction.z.atan2(horizontal).to_degrees(), direction.y.atan2(direction.x).to_degrees())
 }
@@ -169,7 +169,7 @@ mod tests {
     #[test]
     fn places_and_directions_invert() {
         for (lat, lon) in [(0.0, 0.0), (47.5, 11.25), (-89.0, -170.0), (12.0, 179.5)] {
-            let (a, b) = place_of(direction_at(lat, lon));
+            let (a, b) = latitude_longitude(direction_at(lat, lon));
             assert!((a - lat).abs() < 1e-9 && (b - lon).abs() < 1e-9);
         }
     }

@@ -1,4 +1,4 @@
-//! Where cameras stand over a planet. In: a place and metres above what lies uppermost there, ground or sea. Out: positions and cameras in
+//! Where cameras stand over a planet. In: a site and metres above what lies uppermost there, ground or sea. Out: positions and cameras in
 //! planet-fixed metres.
 
 use super::Planet;
@@ -17,7 +17,7 @@ impl Planet {
         self.recipe.ground_or_sea(self.terrain.height(direction))
     }
 
-    /// The place `altitude_m` metres above ground or sea in a unit direction, in metres from the planet's centre.
+    /// The position `altitude_m` metres above ground or sea in a unit direction, in metres from the planet's centre.
     pub fn position_above(&self, direction: DVec3, altitude_m: f64) -> DVec3 {
         direction * (self.recipe.radius + self.surface_height(direction) + altitude_m)
     }
@@ -33,7 +33,7 @@ impl Planet {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::globe::sphere::place_of;
+    use crate::globe::sphere::latitude_longitude;
     use crate::recipe::Recipe;
     use std::path::Path;
 
@@ -42,12 +42,12 @@ mod tests {
         Planet::from_recipe(recipe, 16).unwrap()
     }
 
-    /// The deepest and the highest, of many places: latitude and longitude.
+    /// The deepest and the highest, of many sites: latitude and longitude.
     fn sea_and_land(planet: &Planet) -> [[f64; 2]; 2] {
-        let places = || (0..600).map(|k| [f64::from(k % 30) * 5.0 - 72.0, f64::from(k / 30) * 18.0 - 180.0]);
-        let height = |place: &[f64; 2]| planet.terrain.height(direction_at(place[0], place[1]));
+        let sites = || (0..600).map(|k| [f64::from(k % 30) * 5.0 - 72.0, f64::from(k / 30) * 18.0 - 180.0]);
+        let height = |site: &[f64; 2]| planet.terrain.height(direction_at(site[0], site[1]));
         let higher = |a: &[f64; 2], b: &[f64; 2]| height(a).total_cmp(&height(b));
-        [places().min_by(higher).unwrap(), places().max_by(higher).unwrap()]
+        [sites().min_by(higher).unwrap(), sites().max_by(higher).unwrap()]
     }
 
     #[test]
@@ -55,19 +55,19 @@ mod tests {
         let mut planet = planet();
         let level = planet.recipe.sea.as_ref().unwrap().level_m;
         let [sea, land] = sea_and_land(&planet).map(|[latitude, longitude]| direction_at(latitude, longitude));
-        let [bed, ground] = [sea, land].map(|place| planet.terrain.height(place));
+        let [bed, ground] = [sea, land].map(|site| planet.terrain.height(site));
         assert!(bed < level - 10.0 && ground > level + 10.0, "{bed} m and {ground} m tell nothing");
-        assert_eq!([sea, land].map(|place| planet.surface_height(place)), [level, ground]);
+        assert_eq!([sea, land].map(|site| planet.surface_height(site)), [level, ground]);
         // Without its sea the planet is ground everywhere.
         planet.recipe.sea = None;
-        assert_eq!([sea, land].map(|place| planet.surface_height(place)), [bed, ground]);
+        assert_eq!([sea, land].map(|site| planet.surface_height(site)), [bed, ground]);
     }
 
     /// The keyframe of a camera, altitudes counted from a height in metres above the datum.
     fn keyframe_of(planet: &Planet, camera: &Camera, surface: f64) -> Keyframe {
         let up = camera.position.normalize();
         let east = DVec3::Z.cross(up).normalize();
-        let (latitude, longitude) = place_of(up);
+        let (latitude, longitude) = latitude_longitude(up);
         Keyframe {
             time_s: 0.0,
             latitude,
@@ -91,8 +91,8 @@ mod tests {
             for altitude_m in [0.5, CLEARANCE_M, 3000.0] {
                 let wanted = Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading: 110.0, pitch: -12.0, fov: 50.0 };
                 let camera = planet.camera_at(&wanted, [640, 360]);
-                let place = direction_at(latitude, longitude);
-                let found = keyframe_of(&planet, &camera, planet.surface_height(place));
+                let site = direction_at(latitude, longitude);
+                let found = keyframe_of(&planet, &camera, planet.surface_height(site));
                 assert!(camera.size == [640, 360] && !differs(&wanted, &found), "{wanted:?} became {found:?}");
             }
         }

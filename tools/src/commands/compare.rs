@@ -10,7 +10,7 @@ use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use terrane_planet::draw::view::Camera;
-use terrane_planet::globe::sphere::place_of;
+use terrane_planet::globe::sphere::latitude_longitude;
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
 
@@ -19,7 +19,7 @@ use terrane_planet::store::PlanetFile;
 /// Draws the frames of camera paths with our wake distances, a CDLOD quadtree of morphing grids, right-triangulated irregular networks
 /// and cluster levels of detail; finds for each the knob with which its largest error over a path is as asked for, then the
 /// one with which the 99.9th percentile over random pixels is; and counts triangles. Errors are radial distances from the finest
-/// surface in the file, measured at the same places for all. A family's best variant counts.
+/// surface in the file, measured at the same points for all. A family's best variant counts.
 #[derive(clap::Args)]
 pub(crate) struct Compare {
     /// Planet file.
@@ -130,7 +130,7 @@ fn share(row: &Row, rows: &[Row]) -> f64 {
 
 fn describe(row: &Row, rows: &[Row]) -> Value {
     let m = &row.measured;
-    let (frame, (latitude, longitude)) = (m.worst.0, place_of(m.worst.1));
+    let (frame, (latitude, longitude)) = (m.worst.0, latitude_longitude(m.worst.1));
     json!({
         "path": row.path, "equal": row.equal.name(), "method": m.family, "variant": m.variant, "knob": m.knob,
         "max_px": m.max, "p999_px": m.p999, "p50_px": m.p50, "missed": m.missed,

@@ -49,7 +49,7 @@ enum Action {
         #[arg(long, value_name = "M", allow_hyphen_values = true)]
         depth: f64,
     },
-    /// A level place with a smooth shoulder.
+    /// A level site with a smooth shoulder.
     Flatten {
         #[command(flatten)]
         area: Area,
@@ -86,11 +86,11 @@ impl Area {
         GroundEdit { latitude_deg, longitude_deg: longitude - 360.0 * turns, radius_m: self.radius, shape }
     }
 
-    /// Mean height of the ground there, once there is known to be a place on the planet.
+    /// Mean height of the ground there, once there is known to be a site on the planet.
     fn mean_height(self, planet: &Planet) -> anyhow::Result<f64> {
-        let place = self.edit(Shape::Raise { by_m: 0.0 });
-        place.check(planet.recipe.radius)?;
-        Ok(mean_height(planet, place.latitude_deg, place.longitude_deg, place.radius_m))
+        let edit = self.edit(Shape::Raise { by_m: 0.0 });
+        edit.check(planet.recipe.radius)?;
+        Ok(mean_height(planet, edit.latitude_deg, edit.longitude_deg, edit.radius_m))
     }
 }
 

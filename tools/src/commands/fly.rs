@@ -34,7 +34,7 @@ impl Run for Fly {
             context: self.draw.gpu.options(),
             camera,
             scene: self.draw.patches.options()?,
-            look: self.draw.look.look(&planet.recipe, self.camera.place(), Exposure::Auto),
+            look: self.draw.look.look(&planet.recipe, self.camera.site(), Exposure::Auto),
             tolerance: self.camera.error,
             geomorphs: self.draw.mesh.geomorphs(),
             orientation: self.draw.mesh.orientation(),

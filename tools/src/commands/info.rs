@@ -5,7 +5,7 @@ use super::Run;
 use crate::Outcome;
 use serde_json::json;
 use std::path::PathBuf;
-use terrane_planet::globe::sphere::place_of;
+use terrane_planet::globe::sphere::latitude_longitude;
 use terrane_planet::planet::Planet;
 use terrane_planet::store::{PatchRecord, PlanetFile, FORMAT_VERSION};
 
@@ -60,7 +60,7 @@ impl Run for Info {
                     "geometry_bytes": l.geometry, "texture_bytes": l.texture })
             };
             let region = |r: &terrane_planet::store::Region| {
-                let (latitude, longitude) = place_of(r.direction);
+                let (latitude, longitude) = latitude_longitude(r.direction);
                 json!({ "latitude": latitude, "longitude": longitude, "radius_km": r.radius_m / 1e3, "to_level": r.to_level })
             };
             let info = json!({
@@ -85,7 +85,7 @@ impl Run for Info {
             println!("  level {:2}: {} of {} patches", l.level, l.patches, l.whole);
         }
         for region in &regions {
-            let (latitude, longitude) = place_of(region.direction);
+            let (latitude, longitude) = latitude_longitude(region.direction);
             println!("region {latitude:.4}, {longitude:.4}: {} km, to level {}", region.radius_m / 1e3, region.to_level);
         }
         for edit in &planet.recipe.edits {

@@ -12,7 +12,7 @@ use half::f16;
 use std::path::Path;
 use terrane::stills::{Pixels, Still};
 use terrane_planet::draw::view::Camera;
-use terrane_planet::globe::sphere::place_of;
+use terrane_planet::globe::sphere::latitude_longitude;
 
 /// What a picture was taken with.
 pub(crate) struct Taken<'a> {
@@ -49,7 +49,7 @@ pub(crate) fn write_exr(path: &Path, still: &Still, taken: &Taken) -> anyhow::Re
 fn attributes(still: &Still, taken: &Taken) -> LayerAttributes {
     let camera = taken.camera;
     let vector = |v: DVec3| AttributeValue::FloatVec3(v.as_vec3().into());
-    let (latitude, longitude) = place_of(camera.position);
+    let (latitude, longitude) = latitude_longitude(camera.position);
     let mut attributes = LayerAttributes {
         software_name: Some(Text::from(concat!("terrane ", env!("CARGO_PKG_VERSION")))),
         comments: Some(Text::from(

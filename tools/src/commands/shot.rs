@@ -49,7 +49,7 @@ impl Run for Shot {
         let (context, mut scene) = self.draw.open(&self.file)?;
         let camera = self.camera.camera(scene.planet())?;
         let view = self.draw.view(camera, scene.planet(), self.camera.error);
-        let look = self.draw.look.look(&scene.planet().recipe, self.camera.place(), Exposure::Fixed(1.0));
+        let look = self.draw.look.look(&scene.planet().recipe, self.camera.site(), Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
         let waiting = Report::counting("patches", "so far");
         let cut = scene.settle_showing(&view, &mut |there, pending| waiting.step(there, there + pending, begun.elapsed()))?;

@@ -209,9 +209,9 @@ impl Simplify {
         seconds: f64,
         levels: Vec<serde_json::Value>,
     ) -> serde_json::Value {
-        let bounds = image.grid.map(|place| {
-            let (south, east) = (place.south(image.field.rows()), place.east(image.field.columns()));
-            json!({ "west": place.west, "south": south, "east": east, "north": place.north })
+        let bounds = image.grid.map(|grid| {
+            let (south, east) = (grid.south(image.field.rows()), grid.east(image.field.columns()));
+            json!({ "west": grid.west, "south": south, "east": east, "north": grid.north })
         });
         json!({
             "heightfield": self.file, "format": image.format.name(), "columns": image.field.columns(), "rows": image.field.rows(),

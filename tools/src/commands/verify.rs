@@ -15,7 +15,7 @@ use terrane::verify::screen::ToleranceErrors;
 use terrane::verify::{ground_views, random_views, Perturbation, ScreenErrors, Verifier, VerifyReport, ViewReport, TOLERANCES};
 use terrane::vulkan::GpuInfo;
 use terrane_planet::draw::view::View;
-use terrane_planet::globe::sphere::place_of;
+use terrane_planet::globe::sphere::latitude_longitude;
 use terrane_planet::verify::{ErrorReadings, Probe, Reading, ScreenError};
 
 /// Pictures are not drawn: the smallest targets will do.
@@ -45,9 +45,9 @@ pub(crate) struct Verify {
     /// Random pixels a view at which rays measure the screen error, and as many samples of finer patches.
     #[arg(long, value_name = "N", default_value_t = 4096, value_parser = clap::value_parser!(u32).range(0..=100_000_000))]
     rays: u32,
-    /// Take the views near the ground instead, at so many random places on land, with patches built down to `--spacing`. They are kept
-    /// in the file, as when flying.
-    #[arg(long, value_name = "PLACES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
+    /// Take the views near the ground instead, at so many random sites on land, with patches built down to `--spacing`. They are
+    /// kept in the file, as when flying.
+    #[arg(long, value_name = "SITES", value_parser = clap::value_parser!(u32).range(1..=10_000))]
     ground: Option<u32>,
     /// With `--ground`: build patches until their samples are this far apart.
     #[arg(long, value_name = "METRES", default_value_t = 1.0, requires = "ground")]
@@ -72,14 +72,14 @@ impl Run for Verify {
         let count = self.views as usize;
         let views = match self.ground {
             None => random_views(&scene, self.seed, count, &self.error),
-            Some(places) => ground_views(&scene, self.seed, places as usize, count, &self.error),
+            Some(sites) => ground_views(&scene, self.seed, sites as usize, count, &self.error),
         };
         let views: Vec<View> = views.into_iter().map(|view| self.mesh.apply(view, scene.planet())).collect();
         let progress = Progress::new(views.len());
         let (mut report, mut errors) = (VerifyReport::default(), ScreenErrors::default());
         for (k, view) in views.iter().enumerate() {
             if self.ground.is_some() {
-                // Copies of a place's patches take gigabytes.
+                // Copies of a site's patches take gigabytes.
                 verifier.forget();
             }
             let seen = verifier.check(&mut scene, &mut headless, view)?;
@@ -110,7 +110,7 @@ impl Run for Verify {
 }
 
 impl Verify {
-    /// Everything in the file; near the ground also what is not, with room for the patches of a place.
+    /// Everything in the file; near the ground also what is not, with room for the patches of a site.
     fn scene_options(&self) -> anyhow::Result<SceneOptions> {
         if self.ground.is_none() {
             return Ok(SceneOptions::whole_mesh());
@@ -131,7 +131,7 @@ fn summary(r: &VerifyReport, errors: &ScreenErrors, gpu: &GpuInfo, built: u64, s
         "flipped_at_data_rim": sum.faults_at_data_rim.flipped, "degenerate_at_data_rim": sum.faults_at_data_rim.degenerate,
         "closure_violations_at_data_rim": sum.faults_at_data_rim.closure_violations,
         "broken_hierarchies": sum.broken_hierarchies, "dropped_triangles": sum.dropped, "gpu_cpu_mismatches": m.total(),
-        "mismatches": { "patches": m.patches, "awake": m.awake, "places": m.places, "resolved": m.resolved, "triangles": m.triangles,
+        "mismatches": { "patches": m.patches, "awake": m.awake, "places": m.drawn_positions, "resolved": m.resolved, "triangles": m.triangles,
             "culled_triangles": m.culled_triangles, "counters": m.counters },
         "tolerance_px": worst.map(|t| t.tolerance), "screen_error_px": worst.map(|t| percentiles(&t.error.readings)),
         "screen_errors": errors.by_tolerance.iter().map(tolerance).collect::<Vec<_>>(),
@@ -147,7 +147,7 @@ fn tolerance(t: &ToleranceErrors) -> Value {
         "screen_error_px": percentiles(&t.error.readings), "readings": t.error.readings.count(),
         "missed": t.error.missed,
         "at_data_rim_px": percentiles(&t.error.at_data_rim), "readings_at_data_rim": t.error.at_data_rim.count(),
-        "worst": t.error.readings.worst().zip(t.worst_view).map(|(reading, view)| place(reading, view)),
+        "worst": t.error.readings.worst().zip(t.worst_view).map(|(reading, view)| reading_json(reading, view)),
     })
 }
 
@@ -158,8 +158,8 @@ fn percentiles(readings: &ErrorReadings) -> Value {
     json!({ "p50": p50, "p99": p99, "p999": p999, "max": readings.max(), "max_by_probe": by_probe })
 }
 
-fn place(reading: &Reading, (view, perturbation): (usize, Perturbation)) -> Value {
-    let (latitude, longitude) = place_of(reading.direction);
+fn reading_json(reading: &Reading, (view, perturbation): (usize, Perturbation)) -> Value {
+    let (latitude, longitude) = latitude_longitude(reading.direction);
     json!({
         "view": view, "cut": perturbation.name(), "patch": reading.patch.to_string(), "probe": reading.probe.to_string(),
         "latitude": latitude, "longitude": longitude, "drawn_radius_m": reading.drawn_m, "finest_radius_m": reading.finest_m,
@@ -170,7 +170,7 @@ fn place(reading: &Reading, (view, perturbation): (usize, Perturbation)) -> Valu
 /// Where the largest error of a tolerance was, on stderr.
 fn describe_worst(t: &ToleranceErrors) {
     let Some((worst, (view, perturbation))) = t.error.readings.worst().zip(t.worst_view) else { return };
-    let (latitude, longitude) = place_of(worst.direction);
+    let (latitude, longitude) = latitude_longitude(worst.direction);
     eprintln!(
         "largest error at {} px: {:.3} px in view {view} ({}), {} of {} at {latitude:.6},{longitude:.6}: drawn {:.3} m off, seen from {:.1} m",
         t.tolerance,
@@ -220,17 +220,17 @@ impl Progress {
     fn show(&self, k: usize, view: &View, seen: &ViewReport, error: f64, begun: Instant) {
         let faults = seen.broken_promises().join(", ");
         let eye = view.camera.position;
-        let place = format!("camera {} {} {} m, {} px", eye.x, eye.y, eye.z, view.tolerance);
+        let seen_from = format!("camera {} {} {} m, {} px", eye.x, eye.y, eye.z, view.tolerance);
         match &self.bar {
             Some(bar) => {
                 bar.inc(1);
                 if !faults.is_empty() {
-                    bar.suspend(|| eprintln!("view {k}, {place}: {faults}"));
+                    bar.suspend(|| eprintln!("view {k}, {seen_from}: {faults}"));
                 }
             }
             None => {
                 let seconds = begun.elapsed().as_secs_f64();
-                let verdict = if faults.is_empty() { String::new() } else { format!(" ({place}): {faults}") };
+                let verdict = if faults.is_empty() { String::new() } else { format!(" ({seen_from}): {faults}") };
                 let counts = format!("{} triangles, {error:.3} of {} px", seen.triangles, view.tolerance);
                 eprintln!("{}/{} views, {seconds:.0} s: {counts}{verdict}", k + 1, self.views);
             }

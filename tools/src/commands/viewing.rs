@@ -19,12 +19,12 @@ use terrane_planet::recipe::Recipe;
 const LARGEST_SIDE: u32 = 16_384;
 
 /// Latitude and longitude of the camera unless told otherwise.
-const DEFAULT_PLACE: [f64; 2] = [20.0, 0.0];
+const DEFAULT_SITE: [f64; 2] = [20.0, 0.0];
 
 /// Its altitude then, in planet radii above ground or sea: the planet fills most of the picture.
 const DEFAULT_ALTITUDE_RADII: f64 = 1.9;
 
-/// Where the sun stands over the place in view unless told otherwise: azimuth and elevation in degrees.
+/// Where the sun stands over the site in view unless told otherwise: azimuth and elevation in degrees.
 const DEFAULT_SUN: [f64; 2] = [135.0, 35.0];
 
 /// Megabytes of built patches to keep, of patches on the GPU, and of patches in main memory, unless told otherwise.
@@ -104,15 +104,15 @@ pub(crate) struct CameraOptions {
 }
 
 impl CameraOptions {
-    /// Unit vector to the place under the camera.
-    pub(crate) fn place(&self) -> DVec3 {
-        let [latitude, longitude, _] = self.at.unwrap_or([DEFAULT_PLACE[0], DEFAULT_PLACE[1], 0.0]);
+    /// Unit vector to the site under the camera.
+    pub(crate) fn site(&self) -> DVec3 {
+        let [latitude, longitude, _] = self.at.unwrap_or([DEFAULT_SITE[0], DEFAULT_SITE[1], 0.0]);
         direction_at(latitude, longitude)
     }
 
     /// The camera over a planet.
     pub(crate) fn camera(&self, planet: &Planet) -> anyhow::Result<Camera> {
-        let [latitude, longitude] = DEFAULT_PLACE;
+        let [latitude, longitude] = DEFAULT_SITE;
         let [latitude, longitude, altitude_m] =
             self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE_RADII * planet.recipe.radius]);
         ensure!((-90.0..=90.0).contains(&latitude), "--at: latitude {latitude} is not within -90 and 90 degrees");
@@ -148,7 +148,7 @@ fn default_pitch(radius: f64, altitude_m: f64, fov: f64) -> f64 {
 /// How the mesh follows the view.
 #[derive(clap::Args, Clone, Copy, Debug)]
 pub(crate) struct MeshOptions {
-    /// Let vertices jump into their places when they wake, instead of sliding there.
+    /// Let vertices jump into their positions when they wake, instead of sliding there.
     #[arg(long)]
     no_geomorphs: bool,
     /// Count errors as they are seen: fewer triangles where the ground is seen from above.
@@ -157,7 +157,7 @@ pub(crate) struct MeshOptions {
 }
 
 impl MeshOptions {
-    /// Whether vertices slide into their places.
+    /// Whether vertices slide into their positions.
     pub(crate) fn geomorphs(self) -> bool {
         !self.no_geomorphs
     }
@@ -241,7 +241,7 @@ pub(crate) struct LookOptions {
     /// What is drawn.
     #[arg(long, value_enum, default_value = "shaded")]
     mode: ModeOption,
-    /// Where the sun stands over the place below the camera: degrees clockwise from north, and above the horizon.
+    /// Where the sun stands over the site below the camera: degrees clockwise from north, and above the horizon.
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = numbers::<2>, allow_hyphen_values = true)]
     sun: Option<[f64; 2]>,
     /// The sun by date and time, such as 2026-06-21T12:00Z: as over the Earth, with the axial tilt of the recipe.
@@ -280,10 +280,10 @@ fn exposure(text: &str) -> anyhow::Result<Exposure> {
 }
 
 impl LookOptions {
-    /// The look of a picture over a place of a planet, exposed in the usual way unless told otherwise.
-    pub(crate) fn look(&self, recipe: &Recipe, place: DVec3, usual: Exposure) -> Look {
+    /// The look of a picture over a site of a planet, exposed in the usual way unless told otherwise.
+    pub(crate) fn look(&self, recipe: &Recipe, site: DVec3, usual: Exposure) -> Look {
         let [azimuth, elevation] = self.sun.unwrap_or(DEFAULT_SUN);
-        let sun = self.date.map_or_else(|| sun_over(place, azimuth, elevation), |date| sun::direction(date, recipe.axial_tilt));
+        let sun = self.date.map_or_else(|| sun_over(site, azimuth, elevation), |date| sun::direction(date, recipe.axial_tilt));
         let (factor, metering) = match self.exposure.unwrap_or(usual) {
             Exposure::Auto => (1.0, Some(1.0)),
             Exposure::Fixed(factor) => (factor, None),

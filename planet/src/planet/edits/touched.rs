@@ -69,12 +69,12 @@ impl Touched {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::globe::sphere::{place_of, Face, ONE};
+    use crate::globe::sphere::{latitude_longitude, Face, ONE};
     use crate::recipe::Shape;
     use glam::IVec3;
 
     fn touched(site: DVec3, radius_m: f64) -> Touched {
-        let (latitude_deg, longitude_deg) = place_of(site);
+        let (latitude_deg, longitude_deg) = latitude_longitude(site);
         Touched::new(&Edit { latitude_deg, longitude_deg, radius_m, shape: Shape::Raise { by_m: 1.0 } }, 1e6, 16)
     }
 

@@ -18,16 +18,16 @@ pub(super) fn draw(points: &[Point], fit: &Fit) -> String {
     let [left, right, top, bottom] = FRAME;
     let counts = decades(points.iter().map(Point::awake));
     let times = decades(points.iter().flat_map(|p| p.stages.into_iter().chain([p.mesh_ms()])));
-    let place = |[count, ms]: [f64; 2]| [logarithmic(count, counts, [left, right]), logarithmic(ms, times, [bottom, top])];
+    let point = |[count, ms]: [f64; 2]| [logarithmic(count, counts, [left, right]), logarithmic(ms, times, [bottom, top])];
     let mut svg = svg::open(SIZE);
     title(&mut svg, [left, top - 18.0], "Cost of selection against what is awake");
     for count in powers(counts) {
-        let [x, _] = place([count, times[0]]);
+        let [x, _] = point([count, times[0]]);
         rule(&mut svg, [x, top], [x, bottom], "#e3e1da");
         label(&mut svg, [x, bottom + 18.0], "middle", &in_words(count));
     }
     for ms in powers(times) {
-        let [_, y] = place([counts[0], ms]);
+        let [_, y] = point([counts[0], ms]);
         rule(&mut svg, [left, y], [right, y], "#e3e1da");
         label(&mut svg, [left - 7.0, y + 4.5], "end", &ms.to_string());
     }
@@ -38,7 +38,7 @@ pub(super) fn draw(points: &[Point], fit: &Fit) -> String {
     let names = Stage::MESH.iter().map(|stage| stage.name()).chain(["together"]);
     for (k, (name, color)) in names.zip(COLORS).enumerate() {
         let ms = |p: &Point| p.stages.get(k).copied().unwrap_or_else(|| p.mesh_ms());
-        let line: Vec<[f64; 2]> = points.iter().map(|p| place([p.awake(), ms(p)])).collect();
+        let line: Vec<[f64; 2]> = points.iter().map(|p| point([p.awake(), ms(p)])).collect();
         line.iter().for_each(|&at| dot(&mut svg, at, color));
         if let Some([x, y]) = line.last() {
             label(&mut svg, [x + 12.0, y + 4.5], "start", name);
