@@ -5,7 +5,7 @@
 #include "clouds.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
-layout(binding = 2) uniform sampler2D scene;
+layout(binding = 2) uniform sampler2D water;
 layout(scalar, binding = 3) readonly buffer View { FrameView view; };
 layout(binding = 4) uniform sampler2D ground;
 
@@ -83,7 +83,7 @@ void add_clouds(vec3 ray, float end, Air air, inout vec3 color, inout float cove
 }
 
 void main() {
-    vec4 ground_color = texelFetch(scene, ivec2(gl_FragCoord.xy), 0);
+    vec4 ground_color = texelFetch(water, ivec2(gl_FragCoord.xy), 0);
     float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
     if (is_diagram(light.mode)) {
         out_color = vec4(ground_color.rgb, stored > 0.0 ? 1.0 : 0.0);

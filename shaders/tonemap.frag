@@ -8,7 +8,7 @@
 #include "light.glsl"
 #include "edges.glsl"
 
-layout(binding = 1) uniform sampler2D scene;
+layout(binding = 1) uniform sampler2D radiance;
 layout(binding = 3) uniform sampler2D edges;
 layout(scalar, binding = 2) readonly buffer Exposure { float factor; };
 
@@ -31,7 +31,7 @@ vec3 encode_srgb(vec3 x) {
 }
 
 vec3 shown_at(ivec2 pixel) {
-    vec3 color = texelFetch(scene, pixel, 0).rgb;
+    vec3 color = texelFetch(radiance, pixel, 0).rgb;
     if (is_plain(light.mode)) return color;
     if (light.mode == MODE_ALBEDO) return encode_srgb(clamp(color, 0.0, 1.0));
     float exposure = light.adaptation < 0.0 ? light.exposure : light.exposure * factor;
@@ -45,7 +45,7 @@ void main() {
     ivec2 neighbour;
     if (decode_edge(texelFetch(edges, pixel, 0).r, share, neighbour)) {
         // Mixed as encoded: so edges look equally wide on both sides.
-        shown = mix(shown, shown_at(clamp(pixel + neighbour, ivec2(0), textureSize(scene, 0) - 1)), share);
+        shown = mix(shown, shown_at(clamp(pixel + neighbour, ivec2(0), textureSize(radiance, 0) - 1)), share);
     }
     if (is_plain(light.mode)) {
         out_color = vec4(shown, 1.0);

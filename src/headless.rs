@@ -145,7 +145,7 @@ impl Headless {
 
     /// Radiance of the latest picture before it is mapped to the display: four numbers a pixel, row by row.
     pub fn radiance(&self) -> Result<Vec<f32>, SceneError> {
-        Ok(capture(&self.context, &self.renderer.targets.scene, (0, 0), Access::Sampled)?.to_f32()?)
+        Ok(capture(&self.context, &self.renderer.targets.radiance, (0, 0), Access::Sampled)?.to_f32()?)
     }
 
     /// Radiance of the latest picture's ground and sea before the air: four numbers a pixel, row by row.

@@ -3,7 +3,7 @@
 
 use super::buffers::FrameBuffers;
 use super::passed::{Drawn, Shared};
-use super::targets::{DEPTH_FORMAT, SCENE_FORMAT};
+use super::targets::{DEPTH_FORMAT, RADIANCE_FORMAT};
 use crate::shaders;
 use crate::vulkan::{
     vk, Access, Blend, ColorTarget, Commands, Context, DepthTarget, DepthTest, GraphicsDescription, GraphicsPipeline, ImageView,
@@ -27,7 +27,7 @@ pub(super) struct Draw {
 impl Draw {
     /// Builds the pipelines.
     pub(super) fn new(context: &Arc<Context>, samples: u32) -> Result<Draw> {
-        let formats = [SCENE_FORMAT];
+        let formats = [RADIANCE_FORMAT];
         let mut description = GraphicsDescription::new(shaders::DRAW_VERT, Some(shaders::DRAW_FRAG), &formats);
         description.depth_format = Some(DEPTH_FORMAT);
         description.depth = Some(DepthTest { compare: vk::CompareOp::GREATER_OR_EQUAL, write: true });

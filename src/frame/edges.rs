@@ -2,7 +2,7 @@
 
 use super::fullscreen::Fullscreen;
 use super::passed::{Drawn, Ground, Shared};
-use super::targets::{DEPTH_FORMAT, EDGE_FORMAT, SCENE_FORMAT};
+use super::targets::{DEPTH_FORMAT, EDGE_FORMAT, RADIANCE_FORMAT};
 use crate::shaders;
 use crate::vulkan::{vk, Access, ColorTarget, Commands, Context, DepthTest, Result};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ pub(super) struct Edges {
 impl Edges {
     /// Builds its pipeline for targets of so many samples.
     pub(super) fn new(context: &Arc<Context>, samples: u32) -> Result<Edges> {
-        let formats = [SCENE_FORMAT, EDGE_FORMAT];
+        let formats = [RADIANCE_FORMAT, EDGE_FORMAT];
         let mut description = Fullscreen::description(shaders::EDGES_FRAG, &formats);
         description.depth_format = Some(DEPTH_FORMAT);
         description.depth = Some(DepthTest { compare: vk::CompareOp::ALWAYS, write: true });

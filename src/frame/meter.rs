@@ -1,4 +1,4 @@
-//! Stage `meter`: how bright the picture is, and the exposure that follows from it. In: the scene. Out: a factor on exposure that
+//! Stage `meter`: how bright the picture is, and the exposure that follows from it. In: the radiance. Out: a factor on exposure that
 //! `tonemap` reads. Shaders: `meter.comp`, `expose.comp`.
 //!
 //! Counts are whole numbers: the same picture gives the same exposure, in whatever order the GPU counts.
@@ -33,15 +33,20 @@ impl Meter {
         })
     }
 
-    /// Records the stage: the factor on exposure that `scene` asks for.
-    pub(super) fn record<'a>(&'a self, commands: &mut Commands, shared: &Shared<'a>, scene: &'a ImageView) -> Result<&'a Buffer> {
+    /// Records the stage: the factor on exposure that `radiance` asks for.
+    pub(super) fn record<'a>(
+        &'a self,
+        commands: &mut Commands,
+        shared: &Shared<'a>,
+        radiance: &'a ImageView,
+    ) -> Result<&'a Buffer> {
         commands.ready(&[self.histogram.to(Access::TransferWrite)])?;
         commands.copy_buffer((&self.zeros, 0), (&self.histogram, 0), self.zeros.bytes())?;
-        commands.ready(&[self.histogram.to(Access::ComputeWrite), scene.to(Access::Sampled)])?;
+        commands.ready(&[self.histogram.to(Access::ComputeWrite), radiance.to(Access::Sampled)])?;
         let histogram = ("Histogram", Resource::Storage(&self.histogram));
-        commands.bind(&self.meter, &[shared.pixels("scene", scene), histogram])?;
+        commands.bind(&self.meter, &[shared.pixels("radiance", radiance), histogram])?;
         let [x, y, _] = self.meter.workgroup_size();
-        let (width, height) = scene.size();
+        let (width, height) = radiance.size();
         commands.dispatch(width.div_ceil(METER_STRIDE * x), height.div_ceil(METER_STRIDE * y), 1)?;
         commands.ready(&[self.histogram.to(Access::ComputeRead), self.factor.to(Access::ComputeWrite)])?;
         commands.bind(&self.expose, &[shared.light(), histogram, ("Exposure", Resource::Storage(&self.factor))])?;

@@ -30,7 +30,7 @@ pub use overlay::Overlay;
 pub use shading::{shading, sun_over, Look, DAYLIGHT};
 pub use stage::{PerStage, Stage};
 pub use tables::{FrameTables, MeshTasks};
-pub use targets::{Targets, DEPTH_FORMAT, SCENE_FORMAT};
+pub use targets::{Targets, DEPTH_FORMAT, RADIANCE_FORMAT};
 
 use crate::scene::Scene;
 use crate::vulkan::{vk, Buffer, Commands, Context, ImageView, Result};

@@ -2,7 +2,7 @@
 
 use super::fullscreen::Fullscreen;
 use super::passed::{Ground, Shared};
-use super::targets::SCENE_FORMAT;
+use super::targets::RADIANCE_FORMAT;
 use crate::shaders;
 use crate::vulkan::{Access, Commands, Context, ImageView, Result};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ pub(super) struct Ocean {
 impl Ocean {
     /// Builds its pipeline.
     pub(super) fn new(context: &Arc<Context>) -> Result<Ocean> {
-        Ok(Ocean { pass: Fullscreen::new(context, "ocean", shaders::OCEAN_FRAG, SCENE_FORMAT)? })
+        Ok(Ocean { pass: Fullscreen::new(context, "ocean", shaders::OCEAN_FRAG, RADIANCE_FORMAT)? })
     }
 
     /// Records the stage: ground and sea, as radiance.

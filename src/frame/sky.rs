@@ -2,7 +2,7 @@
 
 use super::fullscreen::Fullscreen;
 use super::passed::{Ground, Shared};
-use super::targets::SCENE_FORMAT;
+use super::targets::RADIANCE_FORMAT;
 use crate::shaders;
 use crate::vulkan::{Access, Commands, Context, ImageView, Resource, Result};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ pub(super) struct Sky {
 impl Sky {
     /// Builds its pipeline.
     pub(super) fn new(context: &Arc<Context>) -> Result<Sky> {
-        Ok(Sky { pass: Fullscreen::new(context, "sky", shaders::SKY_FRAG, SCENE_FORMAT)? })
+        Ok(Sky { pass: Fullscreen::new(context, "sky", shaders::SKY_FRAG, RADIANCE_FORMAT)? })
     }
 
     /// Records the stage: the whole scene but for the stars, as radiance. Alpha of the ground counts, too.
@@ -26,18 +26,18 @@ impl Sky {
         ground: Ground<'a>,
         water: &'a ImageView,
     ) -> Result<&'a ImageView> {
-        let scene = shared.targets.scene.view();
+        let radiance = shared.targets.radiance.view();
         commands.ready(&[ground.depth, ground.color, water].map(|view| view.to(Access::Sampled)))?;
         let own = [
             shared.light(),
             ("View", Resource::Storage(shared.buffers.view())),
             shared.pixels("depth", ground.depth),
             shared.pixels("ground", ground.color),
-            shared.pixels("scene", water),
+            shared.pixels("water", water),
         ];
         let (air, clouds) = (shared.air, shared.scene.clouds());
         let resources = [own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat();
-        self.pass.record(commands, &[scene], None, &resources)?;
-        Ok(scene)
+        self.pass.record(commands, &[radiance], None, &resources)?;
+        Ok(radiance)
     }
 }

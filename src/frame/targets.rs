@@ -5,7 +5,7 @@ use crate::vulkan::{vk, Context, Image, ImageDescription, Result, Sampler, Sampl
 use std::sync::Arc;
 
 /// Format of radiance.
-pub const SCENE_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
+pub const RADIANCE_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
 /// Format of reversed-Z depth: near / distance along the view axis, 0 at infinity.
 pub const DEPTH_FORMAT: vk::Format = vk::Format::D32_SFLOAT;
 
@@ -32,8 +32,8 @@ pub struct Targets {
     pub edges: Image,
     /// Ground and sea.
     pub water: Image,
-    /// Ground, sea and air.
-    pub scene: Image,
+    /// Radiance of all that is seen: ground, sea, air, stars.
+    pub radiance: Image,
     /// Unfiltered sampling of the above.
     pub nearest: Sampler,
     /// Width and height.
@@ -50,19 +50,19 @@ impl Targets {
             Image::new(context, &ImageDescription { samples, ..ImageDescription::new(name, size, format, usage) })
         };
         let samples = if samples > 1 {
-            let ground = several("ground samples", SCENE_FORMAT, color)?;
+            let ground = several("ground samples", RADIANCE_FORMAT, color)?;
             Some(Samples { ground, depth: several("depth samples", DEPTH_FORMAT, depth)? })
         } else {
             None
         };
         let nearest = SamplerDescription { filter: vk::Filter::NEAREST, ..SamplerDescription::default() };
         Ok(Targets {
-            ground: image("ground", SCENE_FORMAT, color)?,
+            ground: image("ground", RADIANCE_FORMAT, color)?,
             depth: image("depth", DEPTH_FORMAT, depth)?,
             samples,
             edges: image("edges", EDGE_FORMAT, color)?,
-            water: image("water", SCENE_FORMAT, color)?,
-            scene: image("scene", SCENE_FORMAT, color)?,
+            water: image("water", RADIANCE_FORMAT, color)?,
+            radiance: image("radiance", RADIANCE_FORMAT, color)?,
             nearest: Sampler::new(context, "nearest", &nearest)?,
             size,
         })

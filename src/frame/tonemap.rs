@@ -17,20 +17,20 @@ impl Tonemap {
         Ok(Tonemap { pass: Fullscreen::new(context, "tonemap", shaders::TONEMAP_FRAG, format)? })
     }
 
-    /// Records the stage: from `scene`, with the exposure that was metered, to `picture`; pixels on `edges` are mixed with their
+    /// Records the stage: from `radiance`, with the exposure that was metered, to `picture`; pixels on `edges` are mixed with their
     /// neighbours.
     pub(super) fn record<'a>(
         &self,
         commands: &mut Commands,
         shared: &Shared<'a>,
-        (scene, edges): (&'a ImageView, &'a ImageView),
+        (radiance, edges): (&'a ImageView, &'a ImageView),
         metered: &'a Buffer,
         picture: &ImageView,
     ) -> Result<()> {
-        commands.ready(&[scene, edges].map(|view| view.to(Access::Sampled)))?;
+        commands.ready(&[radiance, edges].map(|view| view.to(Access::Sampled)))?;
         commands.ready(&[metered.to(Access::GraphicsRead)])?;
         let metered = ("Exposure", Resource::Storage(metered));
-        let resources = [shared.light(), metered, shared.pixels("scene", scene), shared.pixels("edges", edges)];
+        let resources = [shared.light(), metered, shared.pixels("radiance", radiance), shared.pixels("edges", edges)];
         self.pass.record(commands, &[picture], None, &resources)
     }
 }
