@@ -94,8 +94,8 @@ void main() {
     vec3 ray = direction / stretch;
     float end = stored > 0.0 ? view.near / stored * stretch : 1e30;
     // The sea lies in front where the ground is under water, or where there is no ground at all.
-    bool water = stored <= 0.0 || texelFetch(ground, ivec2(gl_FragCoord.xy), 0).a < 0.0;
-    float sea = water ? distance_to_sea(ray) : -1.0;
+    bool under_water = stored <= 0.0 || texelFetch(ground, ivec2(gl_FragCoord.xy), 0).a < 0.0;
+    float sea = under_water ? distance_to_sea(ray) : -1.0;
     if (sea > 0.0) end = sea;
     bool empty = end >= 1e29;
     vec3 color = empty ? sun_disc(ray) + sun_glare(ray) : ground_color.rgb;
