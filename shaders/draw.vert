@@ -27,7 +27,7 @@ void main() {
     uint v = uint(gl_VertexIndex) & ((1u << VERTEX_BITS) - 1u);
     Vertices vertices = Vertices(patches[number].vertices);
     DrawnVertex drawn = drawn_positions[patches[number].resolve_offset + v];
-    precise vec3 position = (drawn.place + view.shift) * view.unit;
+    precise vec3 position = (drawn.position + view.shift) * view.unit;
     precise vec4 clip = view.clip * vec4(position, 1.0);
     out_position = position;
     out_grid = mix(grid_position(vertices, v), grid_position(vertices, parent_of(vertices, v)), drawn.weight);

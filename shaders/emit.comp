@@ -34,9 +34,9 @@ bool faces_away(vec3 a, vec3 b, vec3 c) {
 // `first` is where the patch's drawn vertices begin.
 bool is_culled(uint first, uvec3 corners) {
     if (view.culling == 0u) return false;
-    vec3 a = drawn_positions[first + corners.x].place;
-    vec3 b = drawn_positions[first + corners.y].place;
-    vec3 c = drawn_positions[first + corners.z].place;
+    vec3 a = drawn_positions[first + corners.x].position;
+    vec3 b = drawn_positions[first + corners.y].position;
+    vec3 c = drawn_positions[first + corners.z].position;
     if ((view.culling & CULL_FRUSTUM) != 0u) {
         for (int k = 0; k < view.planes.length(); ++k) {
             if (beyond(a, view.planes[k]) && beyond(b, view.planes[k]) && beyond(c, view.planes[k])) return true;

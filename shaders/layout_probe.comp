@@ -42,9 +42,9 @@ void main() {
     words[at++] = bits(patchdraw.grid_axis.x);
     words[at++] = bits(patchdraw.grid_axis.y);
     words[at++] = bits(patchdraw.grid_axis.z);
-    words[at++] = bits(drawnvertex.place.x);
-    words[at++] = bits(drawnvertex.place.y);
-    words[at++] = bits(drawnvertex.place.z);
+    words[at++] = bits(drawnvertex.position.x);
+    words[at++] = bits(drawnvertex.position.y);
+    words[at++] = bits(drawnvertex.position.z);
     words[at++] = bits(drawnvertex.weight);
     words[at++] = bits(task.patch_number);
     words[at++] = bits(task.first);

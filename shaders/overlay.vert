@@ -12,11 +12,11 @@ layout(location = 1) flat out uint out_code;
 
 void main() {
     uint word = cells[gl_InstanceIndex];
-    const uint MASK = (1u << TEXT_PLACE_BITS) - 1u;
-    vec2 position = vec2(word & MASK, word >> TEXT_PLACE_BITS & MASK);
+    const uint MASK = (1u << TEXT_POSITION_BITS) - 1u;
+    vec2 position = vec2(word & MASK, word >> TEXT_POSITION_BITS & MASK);
     vec2 corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1 & 1);
     // Glyphs are 8 × 8 pixels, with one row of space above and below.
     out_pixel = corner * vec2(TEXT_CELL) - vec2(0.0, 1.0);
-    out_code = word >> (2u * TEXT_PLACE_BITS);
+    out_code = word >> (2u * TEXT_POSITION_BITS);
     gl_Position = vec4((position + corner) * cell - 1.0, 0.0, 1.0);
 }

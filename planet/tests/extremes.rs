@@ -115,7 +115,7 @@ fn draw(planet: &Planet, view: &View, name: &str) -> (usize, bool) {
             continue;
         }
         for triangle in emit(&view.gpu, &patch.triangles(&work), &resolved, &drawn_positions) {
-            let corners = triangle.map(|v| Vec3::from_array(drawn_positions[v as usize].place) * view.gpu.unit);
+            let corners = triangle.map(|v| Vec3::from_array(drawn_positions[v as usize].position) * view.gpu.unit);
             assert!(corners.iter().all(|&c| (clip * c.extend(1.0)).is_finite()), "{name}: {corners:?}");
             let meets = |ray: &Ray| ray.distance_to(corners.map(|c| c.as_dvec3()), 0.0).is_some();
             covered.iter_mut().zip(&pixels).for_each(|(covered, ray)| *covered |= meets(ray));

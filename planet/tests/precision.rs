@@ -122,7 +122,7 @@ fn measure(site: &Site, heading: f64, position: &dyn Fn(&View, &PatchVertex, [f3
             let Selected { awake, drawn_positions } = select(&view.gpu, &patch.vertices, 0);
             for v in (0..drawn_positions.len()).filter(|v| awake[v / 32] >> (v % 32) & 1 == 1) {
                 let Some(truth) = seen(&view, exact(&view, &patch.vertices, v)) else { continue };
-                let drawn = drawn(&view, position(&view, &patch.vertices[v], drawn_positions[v].place));
+                let drawn = drawn(&view, position(&view, &patch.vertices[v], drawn_positions[v].position));
                 let off = [drawn[0] - truth[0], drawn[1] - truth[1]];
                 let [one, two] = before.insert((k, v), [Some(off), None]).unwrap_or_default();
                 before.insert((k, v), [Some(off), one]);

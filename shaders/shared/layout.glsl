@@ -26,7 +26,7 @@ struct PatchDraw {
 };
 
 struct DrawnVertex {
-    vec3 place;
+    vec3 position;
     float weight;
 };
 
@@ -131,7 +131,7 @@ const float TONE_CONTRAST = 1.4;
 const float TONE_SATURATION = 1.35;
 const vec3 DITHER = vec3(0.06711056, 0.00583715, 52.982918);
 const uvec2 TEXT_CELL = uvec2(8u, 10u);
-const uint TEXT_PLACE_BITS = 10u;
+const uint TEXT_POSITION_BITS = 10u;
 const uint SIDE_LEFT = 1u;
 const uint SIDE_RIGHT = 2u;
 const uint SIDE_BOTTOM = 4u;

@@ -9,13 +9,13 @@ use crate::vulkan::{
 };
 use font8x8::legacy::BASIC_LEGACY;
 use std::sync::Arc;
-use terrane_planet::draw::layout::{TEXT_CELL, TEXT_PLACE_BITS};
+use terrane_planet::draw::layout::{TEXT_CELL, TEXT_POSITION_BITS};
 
 /// Most characters drawn; text past it is cut off.
 const MAX_CHARACTERS: usize = 4096;
 
 /// Columns and rows that a cell's word can tell apart.
-const MOST_CELLS: usize = 1 << TEXT_PLACE_BITS;
+const MOST_CELLS: usize = 1 << TEXT_POSITION_BITS;
 
 /// The stage's pipeline, its font, and the text of each frame in flight.
 pub struct Overlay {
@@ -69,7 +69,8 @@ impl Overlay {
     }
 }
 
-/// The cells of a text wrapped at `columns`: column, row and character, [`TEXT_PLACE_BITS`] apart. What the font lacks becomes a question mark.
+/// The cells of a text wrapped at `columns`: column, row and character, [`TEXT_POSITION_BITS`] apart. What the font lacks becomes
+/// a question mark.
 fn layout(text: &str, columns: usize) -> Vec<u32> {
     let columns = columns.min(MOST_CELLS);
     let mut cells = Vec::new();
@@ -77,7 +78,7 @@ fn layout(text: &str, columns: usize) -> Vec<u32> {
     for (row, line) in rows.enumerate().take(MOST_CELLS) {
         for (column, character) in line.chars().enumerate().take(columns) {
             let code = if character.is_ascii() { character as u32 } else { u32::from(b'?') };
-            cells.push(column as u32 | (row as u32) << TEXT_PLACE_BITS | code << (2 * TEXT_PLACE_BITS));
+            cells.push(column as u32 | (row as u32) << TEXT_POSITION_BITS | code << (2 * TEXT_POSITION_BITS));
         }
     }
     cells.truncate(MAX_CHARACTERS);

@@ -77,7 +77,7 @@ fn show(scene: &Scene, headless: &mut Headless, view: &View, cut: &terrane_plane
         let number = (t[0] >> VERTEX_BITS) as usize;
         let first = report.tables.patches[number].resolve_offset;
         let position =
-            |v: u32| selection.drawn_positions[(first + (v & ((1 << VERTEX_BITS) - 1))) as usize].place.map(f32::to_bits);
+            |v: u32| selection.drawn_positions[(first + (v & ((1 << VERTEX_BITS) - 1))) as usize].position.map(f32::to_bits);
         (report.tables.leaves[number].id, t.map(position))
     };
     Shown { triangles: selection.triangles.iter().map(named).collect(), pixels: headless.pixels().unwrap() }

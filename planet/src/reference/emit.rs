@@ -14,7 +14,7 @@ fn is_culled(view: &FrameView, drawn_positions: &[DrawnVertex], triangle: [u32; 
     if view.culling == 0 {
         return false;
     }
-    let [a, b, c] = triangle.map(|v| Vec3::from_array(drawn_positions[v as usize].place));
+    let [a, b, c] = triangle.map(|v| Vec3::from_array(drawn_positions[v as usize].position));
     let beyond = |n: &[f32; 3]| [a, b, c].iter().all(|p| p.x * n[0] + p.y * n[1] + p.z * n[2] > 0.0);
     (view.culling & CULL_FRUSTUM != 0 && view.planes.iter().any(beyond)) || (view.culling & CULL_BACK != 0 && faces_away(a, b, c))
 }

@@ -82,8 +82,8 @@ pub fn select(view: &FrameView, vertices: &[PatchVertex], coarser_sides: u32) ->
     for (k, vertex) in vertices.iter().enumerate() {
         let weight = morph_weight(view, vertex, coarser_sides);
         selected.awake[k / 32] |= u32::from(weight.is_some()) << (k % 32);
-        let place = drawn_position(view, vertices, k as u32, weight.unwrap_or(0.0)).to_array();
-        selected.drawn_positions.push(DrawnVertex { place, weight: weight.unwrap_or(1.0) });
+        let position = drawn_position(view, vertices, k as u32, weight.unwrap_or(0.0)).to_array();
+        selected.drawn_positions.push(DrawnVertex { position, weight: weight.unwrap_or(1.0) });
     }
     selected
 }

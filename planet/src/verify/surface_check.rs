@@ -52,7 +52,7 @@ impl SurfaceCheck {
         self.edges.sort_unstable();
         let key = |v: u32| {
             let drawn = &drawn_positions[v as usize];
-            (vertices[v as usize].position, drawn.place.map(f32::to_bits))
+            (vertices[v as usize].position, drawn.position.map(f32::to_bits))
         };
         // Edges between two triangles of one patch cancel here; what is left is the patch's rim (or a fault).
         for run in self.edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)) {
@@ -137,7 +137,7 @@ mod tests {
 
     fn in_own_position(vertices: &[PatchVertex]) -> Vec<DrawnVertex> {
         let own = |v: u32| drawn_position(&FrameView::default(), vertices, v, 0.0).to_array();
-        (0..vertices.len() as u32).map(|v| DrawnVertex { place: own(v), weight: 0.0 }).collect()
+        (0..vertices.len() as u32).map(|v| DrawnVertex { position: own(v), weight: 0.0 }).collect()
     }
 
     fn report(vertices: &[PatchVertex], triangles: &[[u32; 3]]) -> SurfaceReport {
@@ -184,7 +184,7 @@ mod tests {
     fn drawn_positions(vertices: &[PatchVertex], weight: f32) -> Vec<DrawnVertex> {
         let weights = [0.0, 0.0, 0.0, weight];
         let drawn = |v: usize| drawn_position(&FrameView::default(), vertices, v as u32, weights[v]).to_array();
-        (0..4).map(|v| DrawnVertex { place: drawn(v), weight: weights[v] }).collect()
+        (0..4).map(|v| DrawnVertex { position: drawn(v), weight: weights[v] }).collect()
     }
 
     /// The tetrahedron in two patches, whose vertex 3 morphs to vertex 0 by a weight for each patch.

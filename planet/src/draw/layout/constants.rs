@@ -82,7 +82,7 @@ shared_constants! {
     /// Width and height of a character of the overlay, in unscaled pixels.
     TEXT_CELL: [u32; 2] = [8, 10];
     /// Bits of a character's column, and as many of its row, in its word; its code is above them.
-    TEXT_PLACE_BITS: u32 = 10;
+    TEXT_POSITION_BITS: u32 = 10;
 }
 
 /// Most patches a frame can draw (the rest of an emitted index, short of the restart value).

@@ -78,11 +78,11 @@ gpu_structs! {
         grid_axis: [f32; 3],
     }
 
-    /// Where a vertex is drawn. One that sleeps is not, and has its own place and a weight of 1 here.
+    /// Where a vertex is drawn. One that sleeps is not, and has its own position and a weight of 1 here.
     DrawnVertex {
         /// Lattice units from the eye of the view that it was selected in.
-        place: [f32; 3],
-        /// Morph weight: 0 in its own place, up to 1 in its parent's.
+        position: [f32; 3],
+        /// Morph weight: 0 in its own position, up to 1 in its parent's.
         weight: f32,
     }
 
@@ -104,7 +104,7 @@ gpu_structs! {
         culling: u32,
         /// Camera minus anchor.
         offset: [f32; 3],
-        /// s = κ₀ / κ: a vertex is in its own place within this times its wake.
+        /// s = κ₀ / κ: a vertex is in its own position within this times its wake.
         scale: f32,
         /// Outward normals of the frustum's four sides and of the plane through the camera, facing backwards.
         planes: [[f32; 3]; 5],
@@ -112,13 +112,13 @@ gpu_structs! {
         falloff: f32,
         /// The eye's vertical.
         up: [f32; 3],
-        /// Weight of how far below the eye a place lies, in the orientation term; 0 without the term.
+        /// Weight of how far below the eye a point lies, in the orientation term; 0 without the term.
         height_weight: f32,
         /// Weight of how far aside it lies.
         side_weight: f32,
         /// A vertex is awake within this times its wake: `scale`, or MORPH_REACH times that with geomorphs.
         reach: f32,
-        /// 1 / (reach - scale): how fast a vertex slides to its parent's place beyond `scale`. 0 without geomorphs.
+        /// 1 / (reach - scale): how fast a vertex slides to its parent's position beyond `scale`. 0 without geomorphs.
         morph_rate: f32,
         /// Grid cells along a patch side.
         cells: u32,
@@ -180,7 +180,8 @@ gpu_structs! {
         air_top: f32,
         /// The eye's vertical.
         vertical: [f32; 3],
-        /// Latitude in radians at which the eye, or from outside the place where a ray enters the air, sees the horizon of `air_bottom`.
+        /// Latitude in radians at which the eye, or from outside the point where a ray enters the air, sees the horizon of
+        /// `air_bottom`.
         horizon: f32,
         /// Horizontally towards the sun from the eye; any horizontal direction where the sun is overhead.
         sunward: [f32; 3],
@@ -196,7 +197,7 @@ gpu_structs! {
         adaptation: f32,
         /// Seconds, for things that move by themselves; 0 in still pictures.
         time: f32,
-        /// The camera's place in metres, less whole periods of REPEAT_M: what repeats stays where it is.
+        /// The camera's position in metres, less whole periods of REPEAT_M: what repeats stays where it is.
         anchor: [f32; 3],
         /// Variance of all slopes of the sea.
         sea_variance: f32,
