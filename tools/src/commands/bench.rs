@@ -89,13 +89,13 @@ impl Run for Bench {
             self.measure(&mut scene, &mut headless, &look, &path.at(first), |view, _| view)?;
         }
         let variants = if self.savings { &VARIANTS[..] } else { &VARIANTS[..1] };
-        let (mut stands, mut costs) = (Vec::new(), vec![Vec::new(); variants.len()]);
+        let (mut keyframes, mut costs) = (Vec::new(), vec![Vec::new(); variants.len()]);
         for frame in 0..self.frames {
-            let stand = path.at(first + step * f64::from(frame));
+            let keyframe = path.at(first + step * f64::from(frame));
             for ((_, change), costs) in variants.iter().zip(&mut costs) {
-                costs.push(self.measure(&mut scene, &mut headless, &look, &stand, *change)?);
+                costs.push(self.measure(&mut scene, &mut headless, &look, &keyframe, *change)?);
             }
-            stands.push(stand);
+            keyframes.push(keyframe);
         }
         let summary = summarise(&costs[0])?;
         let device = context.device_info();
@@ -107,7 +107,7 @@ impl Run for Bench {
         if let Some(out) = &self.json {
             let mut report = self.report(device);
             report["summary"] = summary.iter().map(percentiles_of).collect::<serde_json::Map<_, _>>().into();
-            report["rows"] = stands.iter().zip(&costs[0]).map(|(stand, cost)| row(stand, cost)).collect();
+            report["rows"] = keyframes.iter().zip(&costs[0]).map(|(keyframe, cost)| row(keyframe, cost)).collect();
             if self.savings {
                 report["savings"] = savings::report(&costs);
             }
@@ -124,11 +124,11 @@ impl Bench {
         scene: &mut Scene,
         headless: &mut Headless,
         look: &Look,
-        stand: &Keyframe,
+        keyframe: &Keyframe,
         change: savings::Change,
     ) -> anyhow::Result<FrameCost> {
         let planet = scene.planet();
-        let view = change(self.draw.view(planet.camera_at(stand, self.size), planet, self.error), planet);
+        let view = change(self.draw.view(planet.camera_at(keyframe, self.size), planet, self.error), planet);
         Ok(measure_frame(scene, headless, &view, look)?)
     }
 
@@ -167,10 +167,10 @@ fn percentiles_of(line: &Line) -> (String, Value) {
     (line.name.clone(), json!({ "p50": p50, "p95": p95, "p99": p99, "max": max, "frames": line.frames }))
 }
 
-fn row(stand: &Keyframe, c: &FrameCost) -> Value {
+fn row(keyframe: &Keyframe, c: &FrameCost) -> Value {
     json!({
-        "time_s": stand.time_s, "latitude": stand.latitude, "longitude": stand.longitude, "altitude_m": stand.altitude_m,
-        "heading": stand.heading, "pitch": stand.pitch, "fov": stand.fov,
+        "time_s": keyframe.time_s, "latitude": keyframe.latitude, "longitude": keyframe.longitude, "altitude_m": keyframe.altitude_m,
+        "heading": keyframe.heading, "pitch": keyframe.pitch, "fov": keyframe.fov,
         "settle_ms": c.settle_ms, "cut_ms": c.cut_ms, "tables_ms": c.tables_ms, "record_ms": c.record_ms,
         "stages_gpu_ms": stage_times(&c.stages_ms), "gpu_wall_ms": c.gpu_wall_ms, "frame_ms": c.frame_ms,
         "triangles": c.triangles, "awake_vertices": c.awake, "prefix_vertices": c.prefix_vertices,

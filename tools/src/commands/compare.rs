@@ -3,7 +3,7 @@
 use super::paths::load_path;
 use super::viewing::{check_tolerance, picture_size};
 use super::{pictures, Run};
-use crate::compare::{best, count_probes, stands, Effort, Equal, Measured, Setting, Stand, FAMILIES};
+use crate::compare::{best, count_probes, viewpoints, Effort, Equal, Measured, Setting, Viewpoint, FAMILIES};
 use crate::Outcome;
 use anyhow::Context as _;
 use serde_json::{json, Value};
@@ -65,9 +65,15 @@ impl Run for Compare {
         let effort = Effort { pixels: self.pixels as usize, block: self.block as usize };
         let mut paths = Vec::new();
         for path in &self.path {
-            let stands = stands(&setting, &self.cameras(&planet, path)?, self.error, effort)?;
-            eprintln!("{}: {} frames, {} probes, {:.0} s", path.display(), stands.len(), count_probes(&stands), seconds(begun));
-            paths.push((path.display().to_string(), stands));
+            let viewpoints = viewpoints(&setting, &self.cameras(&planet, path)?, self.error, effort)?;
+            eprintln!(
+                "{}: {} frames, {} probes, {:.0} s",
+                path.display(),
+                viewpoints.len(),
+                count_probes(&viewpoints),
+                seconds(begun)
+            );
+            paths.push((path.display().to_string(), viewpoints));
         }
         let rows = self.measure(&setting, &paths, begun)?;
         paths.iter().for_each(|(name, _)| print(name, &rows, self.error));
@@ -92,18 +98,18 @@ impl Compare {
     }
 
     /// One family after the other, so that only one keeps what it makes of patches.
-    fn measure(&self, setting: &Setting, paths: &[(String, Vec<Stand>)], begun: Instant) -> anyhow::Result<Vec<Row>> {
+    fn measure(&self, setting: &Setting, paths: &[(String, Vec<Viewpoint>)], begun: Instant) -> anyhow::Result<Vec<Row>> {
         let mut rows = Vec::new();
         for family in FAMILIES {
             let methods = family(setting)?;
-            for ((path, stands), equal) in paths.iter().flat_map(|path| Equal::ALL.map(|equal| (path, equal))) {
+            for ((path, viewpoints), equal) in paths.iter().flat_map(|path| Equal::ALL.map(|equal| (path, equal))) {
                 let mut progress = |m: &Measured| {
                     let (frames, name) = (m.in_view.len(), equal.name());
                     let found =
                         format!("{name} {:.3} px at {:.3}, {:.0} triangles in view", m.error(equal), m.knob, m.mean_in_view());
                     eprintln!("{:.0} s: {path}, {frames} frames, {} ({}): {found}", seconds(begun), m.family, m.variant);
                 };
-                let measured = best(setting, stands, &methods, (equal, self.error), &mut progress)?;
+                let measured = best(setting, viewpoints, &methods, (equal, self.error), &mut progress)?;
                 let measured = measured.with_context(|| format!("{path}: no knob brings every frame near {} px", self.error))?;
                 rows.push(Row { path: path.clone(), equal, measured });
             }
@@ -111,9 +117,9 @@ impl Compare {
         Ok(rows)
     }
 
-    fn report(&self, paths: &[(String, Vec<Stand>)], rows: &[Row], begun: Instant) -> Value {
+    fn report(&self, paths: &[(String, Vec<Viewpoint>)], rows: &[Row], begun: Instant) -> Value {
         let probes: serde_json::Map<_, _> =
-            paths.iter().map(|(name, stands)| (name.clone(), count_probes(stands).into())).collect();
+            paths.iter().map(|(name, viewpoints)| (name.clone(), count_probes(viewpoints).into())).collect();
         json!({
             "planet": self.file, "frames": self.frames, "size": self.size, "target_px": self.error, "probes": probes,
             "commit": env!("TERRANE_COMMIT"), "version": env!("CARGO_PKG_VERSION"), "seconds": seconds(begun),

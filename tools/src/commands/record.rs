@@ -89,9 +89,9 @@ impl Run for Record {
             if film.has(number) {
                 tally.kept += 1;
             } else {
-                let stand = path.at(first + (number - 1) as f64 / self.fps);
+                let keyframe = path.at(first + (number - 1) as f64 / self.fps);
                 let planet = scene.planet();
-                let view = self.draw.view(planet.camera_at(&stand, self.size), planet, self.error);
+                let view = self.draw.view(planet.camera_at(&keyframe, self.size), planet, self.error);
                 let cut = scene.settle(&view)?;
                 film.add(number, &studio.draw(&scene, &view, &cut, &look, &|_, _| ())?)?;
                 tally.drawn += 1;

@@ -122,8 +122,8 @@ impl CameraOptions {
         ensure!((0.5..=1e9).contains(&altitude_m), "--at: altitude {altitude_m} is not within 0.5 and 1e9 metres");
         let [heading, pitch] = self.look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude_m, self.fov)]);
         ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
-        let stand = Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading, pitch, fov: self.fov };
-        Ok(planet.camera_at(&stand, self.size))
+        let keyframe = Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading, pitch, fov: self.fov };
+        Ok(planet.camera_at(&keyframe, self.size))
     }
 }
 

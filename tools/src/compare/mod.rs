@@ -45,21 +45,26 @@ pub(crate) trait Method: Sync {
 }
 
 /// A camera and where the error of its picture is measured.
-pub(crate) struct Stand {
+pub(crate) struct Viewpoint {
     camera: Camera,
     probes: Probes,
 }
 
-/// The stands of cameras whose pictures are meant to be drawn within `target` pixels.
-pub(crate) fn stands(setting: &Setting, cameras: &[Camera], target: f64, effort: Effort) -> Result<Vec<Stand>, StoreError> {
+/// The viewpoints of cameras whose pictures are meant to be drawn within `target` pixels.
+pub(crate) fn viewpoints(
+    setting: &Setting,
+    cameras: &[Camera],
+    target: f64,
+    effort: Effort,
+) -> Result<Vec<Viewpoint>, StoreError> {
     let chooser = Chooser::new(setting, target, effort);
-    let stand = |(k, &camera)| Ok(Stand { camera, probes: Probes::new(&chooser, &camera, k as u64)? });
-    cameras.par_iter().enumerate().map(stand).collect()
+    let viewpoint = |(k, &camera)| Ok(Viewpoint { camera, probes: Probes::new(&chooser, &camera, k as u64)? });
+    cameras.par_iter().enumerate().map(viewpoint).collect()
 }
 
-/// Probes of all stands together.
-pub(crate) fn count_probes(stands: &[Stand]) -> usize {
-    stands.iter().map(|stand| stand.probes.len()).sum()
+/// Probes of all viewpoints together.
+pub(crate) fn count_probes(viewpoints: &[Viewpoint]) -> usize {
+    viewpoints.iter().map(|viewpoint| viewpoint.probes.len()).sum()
 }
 
 /// Makes the variants of a family.

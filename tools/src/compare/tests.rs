@@ -43,19 +43,19 @@ fn cameras(setting: &Setting) -> Vec<Camera> {
 
 struct Scene {
     setting: Setting,
-    stands: Vec<Stand>,
+    viewpoints: Vec<Viewpoint>,
 }
 
 impl Scene {
     fn new() -> Scene {
         let setting = small_setting(16, 3);
-        let stands = stands(&setting, &cameras(&setting), 1.0, Effort { pixels: 2048, block: 1 }).unwrap();
-        assert!(count_probes(&stands) > 10_000);
-        Scene { setting, stands }
+        let viewpoints = viewpoints(&setting, &cameras(&setting), 1.0, Effort { pixels: 2048, block: 1 }).unwrap();
+        assert!(count_probes(&viewpoints) > 10_000);
+        Scene { setting, viewpoints }
     }
 
     fn measure(&self, method: &dyn Method, knob: f64) -> Measured {
-        measure(&self.setting, &self.stands.iter().collect::<Vec<_>>(), method, knob).unwrap()
+        measure(&self.setting, &self.viewpoints.iter().collect::<Vec<_>>(), method, knob).unwrap()
     }
 
     fn methods(&self) -> Vec<Box<dyn Method>> {
@@ -134,23 +134,23 @@ fn missing_triangles_are_noticed() {
 #[test]
 fn a_lifted_surface_is_as_far_off_as_it_was_lifted() {
     let scene = Scene::new();
-    let (setting, stand) = (&scene.setting, &scene.stands[2]);
-    let found = measure(setting, &[stand], &Wrong { lifted: true, torn: 0 }, 1.0).unwrap();
+    let (setting, viewpoint) = (&scene.setting, &scene.viewpoints[2]);
+    let found = measure(setting, &[viewpoint], &Wrong { lifted: true, torn: 0 }, 1.0).unwrap();
     let expected = |probe: &probes::Probe| 1e-3 * probe.radius * probe.pixels_a_unit;
-    let most = stand.probes.faces.iter().flat_map(|tree| &tree.probes).map(expected).fold(0.0, f64::max);
+    let most = viewpoint.probes.faces.iter().flat_map(|tree| &tree.probes).map(expected).fold(0.0, f64::max);
     assert!((found.max / most - 1.0).abs() < 1e-3, "{} px, expected {most}", found.max);
 }
 
 #[test]
 fn the_knob_with_the_target_error_is_found() {
     let scene = Scene::new();
-    let stands: Vec<&Stand> = scene.stands.iter().collect();
+    let viewpoints: Vec<&Viewpoint> = scene.viewpoints.iter().collect();
     for (equal, target) in [(Equal::Max, 1.0), (Equal::P999, 0.25)] {
         let aim = Aim { equal, target, first: 1.0, most: f64::INFINITY };
-        let found = tune(&scene.setting, &stands, &Wrong { lifted: true, torn: 0 }, aim).unwrap().unwrap();
+        let found = tune(&scene.setting, &viewpoints, &Wrong { lifted: true, torn: 0 }, aim).unwrap().unwrap();
         assert!((found.error(equal) / target - 1.0).abs() <= 0.03, "{} px", found.error(equal));
         let too_many = Aim { most: 0.0, first: 1e3, ..aim };
-        assert!(tune(&scene.setting, &stands, &Wrong { lifted: true, torn: 0 }, too_many).unwrap().is_none());
+        assert!(tune(&scene.setting, &viewpoints, &Wrong { lifted: true, torn: 0 }, too_many).unwrap().is_none());
     }
 }
 

@@ -1,7 +1,7 @@
 //! Finds for a method the knob with which its measured error is the target.
 
 use super::sheet::{Reading, Sheet};
-use super::{Method, Setting, Stand};
+use super::{Method, Setting, Viewpoint};
 use glam::DVec3;
 use rayon::prelude::*;
 use terrane_planet::store::StoreError;
@@ -79,15 +79,20 @@ impl Measured {
     }
 }
 
-/// Draws and measures all stands with one knob.
-pub(crate) fn measure(setting: &Setting, stands: &[&Stand], method: &dyn Method, knob: f64) -> Result<Measured, StoreError> {
-    let reading = |stand: &&Stand| {
-        let view = setting.view(&stand.camera, knob);
-        let mut sheet = Sheet::new(&view, &stand.probes, setting.tree.lattice.radius);
-        method.draw(setting, &stand.camera, knob, &mut sheet)?;
+/// Draws and measures all viewpoints with one knob.
+pub(crate) fn measure(
+    setting: &Setting,
+    viewpoints: &[&Viewpoint],
+    method: &dyn Method,
+    knob: f64,
+) -> Result<Measured, StoreError> {
+    let reading = |viewpoint: &&Viewpoint| {
+        let view = setting.view(&viewpoint.camera, knob);
+        let mut sheet = Sheet::new(&view, &viewpoint.probes, setting.tree.lattice.radius);
+        method.draw(setting, &viewpoint.camera, knob, &mut sheet)?;
         Ok(sheet.finish())
     };
-    let readings: Vec<Reading> = stands.par_iter().map(reading).collect::<Result<_, _>>()?;
+    let readings: Vec<Reading> = viewpoints.par_iter().map(reading).collect::<Result<_, _>>()?;
     let mut at_pixels: Vec<f32> = readings.iter().flat_map(|r| r.at_pixels.iter().copied()).collect();
     at_pixels.sort_unstable_by(f32::total_cmp);
     let percentile = |share: f64| at_pixels.get((at_pixels.len() as f64 * share) as usize).copied().map_or(0.0, f64::from);
@@ -126,12 +131,17 @@ pub(crate) struct Aim {
 /// The coarsest drawing found whose error is within [`NEAR`] of the target or below it. Errors rise with the knob, not steadily: where
 /// one frame's worst point decides, they jump, and what is found may stay below the target. `None` if none was found, or if even
 /// a drawing that is too coarse takes more triangles than are of interest.
-pub(crate) fn tune(setting: &Setting, stands: &[&Stand], method: &dyn Method, aim: Aim) -> Result<Option<Measured>, StoreError> {
+pub(crate) fn tune(
+    setting: &Setting,
+    viewpoints: &[&Viewpoint],
+    method: &dyn Method,
+    aim: Aim,
+) -> Result<Option<Measured>, StoreError> {
     let Aim { equal, target, first, most } = aim;
     let (mut low, mut high) = (None::<Measured>, None::<f64>);
     let mut knob = first;
     for _ in 0..TRIES {
-        let outcome = measure(setting, stands, method, knob)?;
+        let outcome = measure(setting, viewpoints, method, knob)?;
         let error = outcome.error(equal);
         let ratio = target / error.max(1e-3 * target);
         let good = error <= target * (1.0 + NEAR);
@@ -159,13 +169,13 @@ pub(crate) fn tune(setting: &Setting, stands: &[&Stand], method: &dyn Method, ai
 /// The best variant of a family: found on some of the frames, measured on all. `None` if no variant comes near the target.
 pub(crate) fn best(
     setting: &Setting,
-    stands: &[Stand],
+    viewpoints: &[Viewpoint],
     methods: &[Box<dyn Method>],
     (equal, target): (Equal, f64),
     progress: &mut dyn FnMut(&Measured),
 ) -> Result<Option<Measured>, StoreError> {
-    let all: Vec<&Stand> = stands.iter().collect();
-    let some: Vec<&Stand> = stands.iter().skip((CHOOSING / 2).min(stands.len() / 2)).step_by(CHOOSING).collect();
+    let all: Vec<&Viewpoint> = viewpoints.iter().collect();
+    let some: Vec<&Viewpoint> = viewpoints.iter().skip((CHOOSING / 2).min(viewpoints.len() / 2)).step_by(CHOOSING).collect();
     let mut aim = Aim { equal, target, first: target, most: f64::INFINITY };
     let mut chosen = &methods[0];
     for method in methods.iter().filter(|_| methods.len() > 1) {

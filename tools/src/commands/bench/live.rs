@@ -50,19 +50,19 @@ impl Bench {
         let look = self.draw.look_along(&planet.recipe, path);
         let mut flight = LiveFlight::new(context, scene, headless, step);
         for number in 0..self.frames as usize + MOST_FRAMES_AT_END {
-            let stand = path.at((first + step * number as f64).min(last));
-            let (frame, seen, cut) = flight.frame(planet.camera_at(&stand, self.size), &view, &look)?;
+            let keyframe = path.at((first + step * number as f64).min(last));
+            let (frame, seen, cut) = flight.frame(planet.camera_at(&keyframe, self.size), &view, &look)?;
             host = host.max(flight.scene().host_bytes().0);
             let check = Instant::now();
             let faults = if self.check { flight.faults(&seen, &cut, &look)? } else { LiveFaults::default() };
             checking += check.elapsed().as_secs_f64();
             if number < self.frames as usize {
-                rows.push((stand, frame, faults));
+                rows.push((keyframe, frame, faults));
                 continue;
             }
             at_end.push(frame);
             if faults.total() > 0 {
-                rows.push((stand, frame, faults));
+                rows.push((keyframe, frame, faults));
             }
             if frame.settled {
                 break;
@@ -135,9 +135,9 @@ impl Flight {
     pub(super) fn report(&self) -> anyhow::Result<Value> {
         let [median, p95, worst] = self.frame_ms()?;
         let faults = self.faults();
-        let row = |(stand, f, faults): &(Keyframe, LiveFrame, LiveFaults)| {
+        let row = |(keyframe, f, faults): &(Keyframe, LiveFrame, LiveFaults)| {
             json!({
-                "time_s": stand.time_s, "altitude_m": stand.altitude_m, "update_ms": f.update_ms, "frame_ms": f.frame_ms,
+                "time_s": keyframe.time_s, "altitude_m": keyframe.altitude_m, "update_ms": f.update_ms, "frame_ms": f.frame_ms,
                 "triangles": f.triangles, "patches": f.patches, "resident_patches": f.resident, "awaited_patches": f.pending,
                 "gpu_bytes": f.gpu_bytes, "lifted_m": f.lifted_m, "settled": f.settled,
                 "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,
