@@ -34,14 +34,14 @@ pub(super) struct Loaded {
 pub(super) enum Request {
     /// A whole patch.
     Patch,
-    /// Only what its relief leaves of the light, for a patch that is on the GPU.
-    Light,
+    /// Only its horizon angles and ambient occlusion, for a patch that is on the GPU.
+    Horizon,
 }
 
 /// What a worker answers.
 pub(super) enum Response {
     Patch(Box<Loaded>),
-    Light(PatchId, Relief),
+    Horizon(PatchId, Relief),
 }
 
 type Arrival = (PatchId, Result<Response, StoreError>);
@@ -182,7 +182,7 @@ impl Worker {
         while let Some((id, request)) = self.shared.next() {
             let response = match request {
                 Request::Patch => self.source.load(id).map(|loaded| Response::Patch(Box::new(loaded))),
-                Request::Light => Ok(Response::Light(id, self.source.relief(id))),
+                Request::Horizon => Ok(Response::Horizon(id, self.source.relief(id))),
             };
             if self.sender.send((id, response)).is_err() {
                 return;

@@ -353,7 +353,7 @@ impl Scene {
         let wanted: &[_] = if turned_away { &[] } else { &cut.wanted };
         let missing = wanted.iter().flat_map(children).filter(|(id, ..)| !self.resident.contains_key(id));
         // Shape before light.
-        self.loader.request(missing.chain(stale.iter().map(|&id| (id, Request::Light, f64::MAX))).collect());
+        self.loader.request(missing.chain(stale.iter().map(|&id| (id, Request::Horizon, f64::MAX))).collect());
     }
 
     fn upload(&mut self, arrived: Vec<Response>) -> Result<(), SceneError> {
@@ -365,7 +365,7 @@ impl Scene {
         for response in arrived {
             match response {
                 Response::Patch(loaded) => self.stage_patch(*loaded, &mut upload)?,
-                Response::Light(id, relief) => {
+                Response::Horizon(id, relief) => {
                     let Some(patch) = self.resident.get_mut(&id) else { continue };
                     let Some(layer) = patch.layer else { continue };
                     patch.sun = relief.sun;

@@ -91,7 +91,7 @@ impl Source {
         Ok(self.prepare(mesh, texture))
     }
 
-    /// What the relief of a patch leaves of the light of the sun as it stands now.
+    /// Horizon angles of a patch towards the sun as it stands now, and its ambient occlusion.
     pub(super) fn relief(&self, id: PatchId) -> Relief {
         let sun = *self.sun.read().unwrap_or_else(PoisonError::into_inner);
         let direction = sun.direction.unwrap_or_else(|| id.centre());

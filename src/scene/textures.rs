@@ -1,4 +1,4 @@
-//! Textures of all resident patches, one layer a patch: slopes and albedo, and what the relief leaves of sun and sky.
+//! Textures of all resident patches, one layer a patch: slopes and albedo, and horizon angles and ambient occlusion.
 
 use crate::vulkan::{vk, Access, Commands, Context, Image, ImageDescription, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
@@ -73,7 +73,7 @@ impl TexturePool {
     }
 }
 
-/// What the relief of a patch leaves of sun and sky, as half floats, and which sun that is.
+/// Horizon angles and ambient occlusion of a patch, as half floats, and the number of the sun that they are towards.
 pub(super) struct Relief {
     texels: Vec<[u16; 2]>,
     /// Number of the sun.
