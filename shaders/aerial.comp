@@ -10,14 +10,14 @@ layout(binding = 3) uniform sampler2D nodes;
 // Where rays begin and point, by the cosines of their azimuth and, where they begin, against the vertical: that is at the eye or, from
 // outside, where they enter the air.
 void ray_of(float cosine, float c, out vec3 vertical, out vec3 ray) {
-    vec3 up = light.vertical, towards = light.sunward;
+    vec3 up = shading.vertical, towards = shading.sunward;
     vec3 along = towards * cosine + cross(up, towards) * sqrt(max(1.0 - cosine * cosine, 0.0));
     float sine = sqrt(max(1.0 - c * c, 0.0));
     vertical = up;
     ray = up * c + along * sine;
     if (is_outside()) {
         // Angles of the triangle of eye, centre and entry.
-        float at_eye = asin(clamp(sine * (bottom_radius() + thickness()) / (light.radius + light.height_m), 0.0, 1.0));
+        float at_eye = asin(clamp(sine * (bottom_radius() + thickness()) / (shading.radius + shading.height_m), 0.0, 1.0));
         float at_centre = acos(clamp(-c, -1.0, 1.0)) - at_eye;
         vertical = up * cos(at_centre) + along * sin(at_centre);
         ray = along * sin(at_eye) - up * cos(at_eye);
@@ -33,7 +33,7 @@ void main() {
     float whole = max(way_length(height, c, to_ground), 1e-3), r = bottom_radius() + height;
     vec3 vertical, ray;
     ray_of(1.0 - 2.0 * float(texel.x) / float(size.x - 1), c, vertical, ray);
-    float sun_c = dot(vertical, light.sun), nu = dot(ray, light.sun), phase = rayleigh_phase(nu);
+    float sun_c = dot(vertical, shading.sun), nu = dot(ray, shading.sun), phase = rayleigh_phase(nu);
 
     int last = textureSize(nodes, 0).x - 1, stride = last / (size.z - 1);
     vec3 molecules = vec3(0.0), haze = vec3(0.0), opacity = vec3(0.0), passed = vec3(1.0);

@@ -101,7 +101,7 @@ vec3 level_color(uint level) {
 void main() {
     PatchDraw target = patches[in_patch];
     float distance = length(in_position);
-    vec3 from_centre = light.camera + in_position;
+    vec3 from_centre = shading.camera + in_position;
     vec3 up = normalize(from_centre);
     Ground ground = ground_of(target, distance, abs(dot(in_position, up)) / distance);
     vec3 along = normalize(target.grid_axis - up * dot(target.grid_axis, up));
@@ -116,26 +116,26 @@ void main() {
     normal = normalize(normal - (gradient - normal * dot(gradient, normal)));
     ground.albedo *= max(1.0 + 0.8 * roughness * bare.w + CROWN_SHADE * crowns.w, 0.15);
 
-    if (light.mode == MODE_NORMALS) {
+    if (shading.mode == MODE_NORMALS) {
         out_color = vec4(0.5 + 0.5 * normal, 1.0);
         return;
     }
-    if (light.mode == MODE_ALBEDO) {
+    if (shading.mode == MODE_ALBEDO) {
         out_color = vec4(ground.albedo, 1.0);
         return;
     }
-    if (light.mode == MODE_DEPTH) {
+    if (shading.mode == MODE_DEPTH) {
         // 1 m to 100,000 km, near is bright.
         out_color = vec4(vec3(clamp(1.0 - log2(max(distance, 1.0)) / 26.6, 0.0, 1.0)), 1.0);
         return;
     }
     vec3 color = ground.albedo;
-    if (light.mode == MODE_LEVELS) color = mix(color, level_color(target.level), 0.65);
+    if (shading.mode == MODE_LEVELS) color = mix(color, level_color(target.level), 0.65);
 
-    float height = length(from_centre) - light.radius;
-    float elevation = dot(up, light.sun);
+    float height = length(from_centre) - shading.radius;
+    float elevation = dot(up, shading.sun);
     // The share of the sun's disc above the relief.
-    float facing = max(dot(normal, light.sun), 0.0) * smoothstep(-PENUMBRA, PENUMBRA, elevation - ground.relief.x);
+    float facing = max(dot(normal, shading.sun), 0.0) * smoothstep(-PENUMBRA, PENUMBRA, elevation - ground.relief.x);
     vec3 sun = sun_irradiance(height, elevation) * cloud_shadow(from_centre, height, elevation, footprint);
     vec3 sky = sky_irradiance(height, elevation);
     float open = (0.5 + 0.5 * dot(normal, up)) * ground.relief.y;

@@ -1,7 +1,7 @@
 #version 460
 // The factor on exposure, from the histogram of luminance: the mean of the brighter half of what is not black, without the brightest
 // fiftieth, which is sun and glints.
-#include "light.glsl"
+#include "shading.glsl"
 #include "metering.glsl"
 
 layout(local_size_x = 1) in;
@@ -27,5 +27,5 @@ void main() {
     }
     float goal = weight > 0.0 ? clamp(pow(USUAL / luminance_of(sum / weight), CORRECTION), LIMITS.x, LIMITS.y) : 1.0;
     // Eyes adapt by ratios.
-    factor = light.adaptation >= 1.0 ? goal : factor * pow(goal / factor, light.adaptation);
+    factor = shading.adaptation >= 1.0 ? goal : factor * pow(goal / factor, shading.adaptation);
 }

@@ -28,7 +28,7 @@ void look(float height, vec3 ray, vec3 sun, out vec3 second, out vec3 share) {
     }
     if (to_ground) {
         float c = (r * sun.z + whole * nu) / bottom_radius();
-        second += passed * light.ground_albedo / PI * sun_share(0.0, c) * max(c, 0.0);
+        second += passed * shading.ground_albedo / PI * sun_share(0.0, c) * max(c, 0.0);
     }
 }
 

@@ -26,7 +26,7 @@ const float GUSTINESS = 0.22;
 // Factor on the variance of slopes: where the wind is stronger the sea is rougher, which shows in the sun's glitter from orbit. The
 // pattern is that of the shortest waves, stretched.
 float gusts(vec3 up) {
-    vec2 at = (up.xy + up.z * vec2(0.6, 0.8)) * light.radius / GUSTS;
+    vec2 at = (up.xy + up.z * vec2(0.6, 0.8)) * shading.radius / GUSTS;
     vec3 found = textureLod(waves, vec3(at, 2.0), 1.0).xyz;
     return exp2(GUSTINESS * (found.x + found.y) * inversesqrt(found.z));
 }
@@ -40,13 +40,13 @@ vec3 wave_slopes(vec3 from_camera, vec3 up, float footprint, out float variance)
     for (uint axes = counted_axes(weights); axes != 0u;) {
         int axis = next_axis(axes);
         for (int k = 0; k < tiles; ++k) {
-            vec2 at = (coordinates_along(axis, position) - DRIFT[k] * light.time / REPEAT_M) * WAVE_COPIES[k];
+            vec2 at = (coordinates_along(axis, position) - DRIFT[k] * shading.time / REPEAT_M) * WAVE_COPIES[k];
             vec3 found = textureLod(waves, vec3(at, float(k)), lods[k]).xyz;
             gradient += weights[axis] * gradient_along(axis, found.xy);
             resolved += weights[axis] * found.z;
         }
     }
-    variance = max(light.sea_variance * gusts(up) - resolved, 0.004);
+    variance = max(shading.sea_variance * gusts(up) - resolved, 0.004);
     return gradient - up * dot(gradient, up);
 }
 
@@ -58,20 +58,20 @@ float sea_fresnel(float c, float variance) {
 
 // Sun mirrored by facets whose slopes are spread around those of the resolved waves (Ross, Dion and Potvin 2005).
 float glitter(vec3 ray, vec3 up, vec3 slopes, float variance) {
-    vec3 half_way = normalize(light.sun - ray);
+    vec3 half_way = normalize(shading.sun - ray);
     float upright = dot(half_way, up);
     if (upright <= 0.05) return 0.0;
     vec3 missing = up - half_way / upright - slopes;
     // Half the variance goes each way.
     float density = exp(-dot(missing, missing) / variance) / (PI * variance);
-    float fresnel = 0.02 + 0.98 * pow(1.0 - clamp(dot(light.sun, half_way), 0.0, 1.0), 5.0);
+    float fresnel = 0.02 + 0.98 * pow(1.0 - clamp(dot(shading.sun, half_way), 0.0, 1.0), 5.0);
     return fresnel * density / (4.0 * upright * upright * upright * upright * max(-dot(ray, up), 0.06));
 }
 
 void main() {
     vec4 ground_color = texelFetch(ground, ivec2(gl_FragCoord.xy), 0);
     out_color = vec4(ground_color.rgb, 1.0);
-    if (light.sea_level <= NO_SEA || is_diagram(light.mode)) return;
+    if (shading.sea_level <= NO_SEA || is_diagram(shading.mode)) return;
     bool is_ground = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r > 0.0;
     if (is_ground && ground_color.a >= 0.0) return;
 
@@ -79,8 +79,8 @@ void main() {
     float t = distance_to_sea(ray);
     if (t < 0.0) return;
 
-    vec3 from_centre = light.camera + ray * t, up = normalize(from_centre);
-    float elevation = dot(up, light.sun), grazing = max(-dot(ray, up), 0.0);
+    vec3 from_centre = shading.camera + ray * t, up = normalize(from_centre);
+    float elevation = dot(up, shading.sun), grazing = max(-dot(ray, up), 0.0);
     // As long as a pixel is wide, and half as long as it is deep: what lies between becomes roughness.
     float pixel = t * pixel_angle();
     float variance;
@@ -92,10 +92,10 @@ void main() {
     float water_depth = is_ground ? max(-ground_color.a, 0.0) : SHORE_RANGE;
     float under = water_depth / sqrt(1.0 - 0.56 * (1.0 - grazing * grazing));
     vec3 absorbed = exp(-under * vec3(0.35, 0.075, 0.06) * 0.7);
-    vec3 sun = sun_irradiance(light.sea_level, elevation) * cloud_shadow(from_centre, light.sea_level, elevation, footprint);
-    vec3 sky = sky_irradiance(light.sea_level, elevation);
+    vec3 sun = sun_irradiance(shading.sea_level, elevation) * cloud_shadow(from_centre, shading.sea_level, elevation, footprint);
+    vec3 sky = sky_irradiance(shading.sea_level, elevation);
     vec3 lit = (sun * max(elevation, 0.0) + sky) / PI;
-    vec3 body = mix(light.shallow, light.deep, 1.0 - exp(-water_depth / 25.0)) * lit * (1.0 - absorbed) + ground_color.rgb * absorbed;
+    vec3 body = mix(shading.shallow, shading.deep, 1.0 - exp(-water_depth / 25.0)) * lit * (1.0 - absorbed) + ground_color.rgb * absorbed;
 
     // Facets that face away are not seen: the mirrored sky is that above the mean.
     float fresnel = sea_fresnel(clamp(-dot(ray, normal), 0.0, 1.0), variance);

@@ -17,7 +17,7 @@ const float BRIGHTEST = 6e4;
 
 // The sun's disc, darker towards its limb and redder (Hestroffer and Magnan 1998); its edge as wide as a pixel.
 vec3 sun_disc(vec3 ray) {
-    vec3 chord = ray - light.sun;
+    vec3 chord = ray - shading.sun;
     float pixel = pixel_angle();
     float radius = max(SUN_RADIUS, 0.5 * pixel), distance = length(chord);
     float seen = 1.0 - smoothstep(radius - 0.5 * pixel, radius + 0.5 * pixel, distance);
@@ -29,8 +29,8 @@ vec3 sun_disc(vec3 ray) {
 
 // Its glare on the sky about it, without which the disc would be a hole punched into paper; as far as the planet does not hide it.
 vec3 sun_glare(vec3 ray) {
-    vec3 chord = ray - light.sun;
-    float visible = sun_visibility(max(light.height_m - light.air_bottom, 0.0), dot(light.vertical, light.sun));
+    vec3 chord = ray - shading.sun;
+    float visible = sun_visibility(max(shading.height_m - shading.air_bottom, 0.0), dot(shading.vertical, shading.sun));
     float away = dot(chord, chord) + SUN_RADIUS * SUN_RADIUS;
     return vec3(SUN * visible * GLARE / (away * sqrt(away)));
 }
@@ -45,17 +45,17 @@ const float GROUND_LIGHT = 0.12;
 
 // Radiance of the clouds that a view ray meets at `t`, and the share of light that they let through.
 vec4 cloud_light(vec3 ray, float t) {
-    vec3 up = normalize(light.camera + ray * t);
-    float elevation = dot(up, light.sun), cosine = slant(ray, up), footprint = pixel_on_clouds(t, cosine);
+    vec3 up = normalize(shading.camera + ray * t);
+    float elevation = dot(up, shading.sun), cosine = slant(ray, up), footprint = pixel_on_clouds(t, cosine);
     float coarse, here = cloudiness(up, footprint, coarse);
     if (here <= 0.0) return vec4(0.0, 0.0, 0.0, 1.0);
-    vec3 sun = sun_irradiance(light.cloud_height, elevation), sky = sky_irradiance(light.cloud_height, elevation);
-    float depth = light.cloud_depth * here, level = max(elevation, 0.0), thrown_back = cloud_reflectance(depth / cosine);
-    if (light.height_m > light.cloud_height) {
+    vec3 sun = sun_irradiance(shading.cloud_height, elevation), sky = sky_irradiance(shading.cloud_height, elevation);
+    float depth = shading.cloud_depth * here, level = max(elevation, 0.0), thrown_back = cloud_reflectance(depth / cosine);
+    if (shading.height_m > shading.cloud_height) {
         // Heaps are bright on the side of the sun.
-        vec3 sunward = light.sun - up * elevation;
+        vec3 sunward = shading.sun - up * elevation;
         float across = length(sunward), step_m = max(1.5 * footprint, 6000.0);
-        vec3 beside = normalize(up + sunward / max(across, 1e-3) * (step_m / (light.radius + light.cloud_height)));
+        vec3 beside = normalize(up + sunward / max(across, 1e-3) * (step_m / (shading.radius + shading.cloud_height)));
         float slope = clamp(HEAP * (coarse - cloudiness_coarse(beside, footprint)) / step_m, -1.2, 1.2);
         float facing = max(elevation + slope * across, 0.0) * inversesqrt(1.0 + slope * slope);
         // A cloud hides what it does not throw back of the light from below by more than that: what it lets through, it blurs.
@@ -64,7 +64,7 @@ vec4 cloud_light(vec3 ray, float t) {
     float direct = exp(-depth / cosine), along_sun = depth / max(elevation, 0.1);
     float diffuse = max(1.0 - cloud_reflectance(along_sun) - exp(-along_sun), 0.0);
     // Thin cloud about the sun is bright: drops scatter forwards.
-    float forward = mie_phase(dot(ray, light.sun)) * (1.0 - direct) * exp(-0.5 * along_sun);
+    float forward = mie_phase(dot(ray, shading.sun)) * (1.0 - direct) * exp(-0.5 * along_sun);
     vec3 base = GROUND_LIGHT * (sun * level + sky) * thrown_back;
     return vec4((sun * level * diffuse + sky * (1.0 - direct) * (1.0 - 0.6 * thrown_back) + base) / PI + sun * forward, direct);
 }
@@ -85,7 +85,7 @@ void add_clouds(vec3 ray, float end, Air air, inout vec3 color, inout float cove
 void main() {
     vec4 ground_color = texelFetch(water, ivec2(gl_FragCoord.xy), 0);
     float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
-    if (is_diagram(light.mode)) {
+    if (is_diagram(shading.mode)) {
         out_color = vec4(ground_color.rgb, stored > 0.0 ? 1.0 : 0.0);
         return;
     }

@@ -39,18 +39,18 @@ void main() {
     vec3 random = vec3(hash(uvec3(star, 77u, 13u))) / 4294967296.0;
     float z = 2.0 * random.x - 1.0, turn = 2.0 * PI * random.y;
     vec3 ray = vec3(sqrt(1.0 - z * z) * vec2(cos(turn), sin(turn)), z);
-    float ahead = dot(ray, light.forward);
+    float ahead = dot(ray, shading.forward);
     if (ahead <= 0.0 || distance_to_sea(ray) > 0.0) return;
 
     float magnitude = FAINTEST + log2((float(star) + 0.5) / float(STARS)) / (log2(10.0) * GROWTH);
     Air air = air_before(ray, 1e30);
     float daylight = dot(scattered(air), LUMINANCE) / HIDING_LUMINANCE;
-    vec2 pixel = vec2(2.0) / light.size;
-    float angle = max(length(light.up) * pixel.y, FINEST_PIXEL);
+    vec2 pixel = vec2(2.0) / shading.size;
+    float angle = max(length(shading.up) * pixel.y, FINEST_PIXEL);
     out_radiance = MAGNITUDE_0 * exp2(-0.4 * log2(10.0) * magnitude) * black_body(mix(50.0, 300.0, random.z)) * air.passed * starlight_through_clouds(ray)
         / (angle * angle * (1.0 + daylight * daylight));
 
     out_offset = REACH * (vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1) * 2.0 - 1.0);
-    vec2 at = vec2(dot(ray, light.right) / dot(light.right, light.right), -dot(ray, light.up) / dot(light.up, light.up)) / ahead;
+    vec2 at = vec2(dot(ray, shading.right) / dot(shading.right, shading.right), -dot(ray, shading.up) / dot(shading.up, shading.up)) / ahead;
     gl_Position = vec4(in_window(at + out_offset * pixel), 0.0, 1.0);
 }

@@ -5,7 +5,7 @@
 // The curve is that of AgX (Sobotka 2022) in Wrensch's fit: channels are mixed a little before it and unmixed after it, so that bright
 // colours pale towards white instead of turning to another hue, as the yellow and cyan of curves on each channel alone. Its
 // result is encoded already. Contrast and saturation are about those of its look "punchy".
-#include "light.glsl"
+#include "shading.glsl"
 #include "edges.glsl"
 
 layout(binding = 1) uniform sampler2D radiance;
@@ -32,9 +32,9 @@ vec3 encode_srgb(vec3 x) {
 
 vec3 shown_at(ivec2 pixel) {
     vec3 color = texelFetch(radiance, pixel, 0).rgb;
-    if (is_plain(light.mode)) return color;
-    if (light.mode == MODE_ALBEDO) return encode_srgb(clamp(color, 0.0, 1.0));
-    float exposure = light.adaptation < 0.0 ? light.exposure : light.exposure * factor;
+    if (is_plain(shading.mode)) return color;
+    if (shading.mode == MODE_ALBEDO) return encode_srgb(clamp(color, 0.0, 1.0));
+    float exposure = shading.adaptation < 0.0 ? shading.exposure : shading.exposure * factor;
     return filmic(color * exposure);
 }
 
@@ -47,10 +47,10 @@ void main() {
         // Mixed as encoded: so edges look equally wide on both sides.
         shown = mix(shown, shown_at(clamp(pixel + neighbour, ivec2(0), textureSize(radiance, 0) - 1)), share);
     }
-    if (is_plain(light.mode)) {
+    if (is_plain(shading.mode)) {
         out_color = vec4(shown, 1.0);
         return;
     }
-    float dither = fract(DITHER.z * fract(dot(light.window.xy + gl_FragCoord.xy, DITHER.xy))) - 0.5;
+    float dither = fract(DITHER.z * fract(dot(shading.window.xy + gl_FragCoord.xy, DITHER.xy))) - 0.5;
     out_color = vec4(shown + dither / 255.0, 1.0);
 }

@@ -4,7 +4,7 @@
 
 #ifndef TERRANE_AIR
 #define TERRANE_AIR
-#include "light.glsl"
+#include "shading.glsl"
 
 // Per metre.
 struct Medium {
@@ -14,26 +14,26 @@ struct Medium {
 };
 
 Medium medium_at(float height) {
-    float h = height + light.air_bottom;
-    float molecules = exp(-h / light.scale_height);
-    float haze = exp(-h / light.mie_scale_height);
-    float ozone = max(1.0 - abs(h - light.ozone_height) / light.ozone_reach, 0.0);
-    vec3 rayleigh = light.rayleigh * molecules;
-    return Medium(rayleigh, light.mie * haze, rayleigh + light.mie_extinction * haze + light.ozone * ozone);
+    float h = height + shading.air_bottom;
+    float molecules = exp(-h / shading.scale_height);
+    float haze = exp(-h / shading.mie_scale_height);
+    float ozone = max(1.0 - abs(h - shading.ozone_height) / shading.ozone_reach, 0.0);
+    vec3 rayleigh = shading.rayleigh * molecules;
+    return Medium(rayleigh, shading.mie * haze, rayleigh + shading.mie_extinction * haze + shading.ozone * ozone);
 }
 
-float bottom_radius() { return light.radius + light.air_bottom; }
-float thickness() { return light.air_top - light.air_bottom; }
+float bottom_radius() { return shading.radius + shading.air_bottom; }
+float thickness() { return shading.air_top - shading.air_bottom; }
 
 // The eye's height, or the air's upper edge where it is above.
-float eye_height() { return clamp(light.height_m - light.air_bottom, 0.0, thickness()); }
-bool is_outside() { return light.height_m > light.air_top; }
+float eye_height() { return clamp(shading.height_m - shading.air_bottom, 0.0, thickness()); }
+bool is_outside() { return shading.height_m > shading.air_top; }
 
 float rayleigh_phase(float c) { return 3.0 / (16.0 * PI) * (1.0 + c * c); }
 
 // Cornette and Shanks 1992.
 float mie_phase(float c) {
-    float g = light.mie_g;
+    float g = shading.mie_g;
     float base = max(1.0 + g * g - 2.0 * g * c, 1e-4);
     return 3.0 / (8.0 * PI) * (1.0 - g * g) / (2.0 + g * g) * (1.0 + c * c) / (base * sqrt(base));
 }
@@ -114,7 +114,7 @@ float dipping_rows(float horizon, float half_rows) {
 }
 
 float latitude_row(float c, bool to_ground, int rows) {
-    float horizon = light.horizon, latitude = asin(clamp(c, -1.0, 1.0));
+    float horizon = shading.horizon, latitude = asin(clamp(c, -1.0, 1.0));
     float half_rows = float(rows / 2), dipping = dipping_rows(horizon, half_rows);
     float row;
     if (to_ground) {
@@ -129,7 +129,7 @@ float latitude_row(float c, bool to_ground, int rows) {
 
 // The inverse, for the centre of a row.
 float row_cosine(int row, int rows, out bool to_ground) {
-    float horizon = light.horizon;
+    float horizon = shading.horizon;
     float half_rows = float(rows / 2), above = float(row) - half_rows, dipping = dipping_rows(horizon, half_rows);
     to_ground = above < 0.0;
     float share = float(row) / (half_rows - 1.0);

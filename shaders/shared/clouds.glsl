@@ -21,7 +21,7 @@ const float DETAIL_MOST = 0.14;
 // Optical depth at which a sheet reflects half the light: 2 / (1 - g), for drops that scatter forwards with g = 0.8 (two-stream).
 const float HALF_REFLECTED = 10.0;
 
-bool has_clouds() { return light.cloud_depth > 0.0 && !is_diagram(light.mode); }
+bool has_clouds() { return shading.cloud_depth > 0.0 && !is_diagram(shading.mode); }
 
 // Where a direction lies in the map, an octahedron unfolded (Cigolle et al. 2014). The outermost texels lie on its edges.
 vec2 octahedral(vec3 direction) {
@@ -32,7 +32,7 @@ vec2 octahedral(vec3 direction) {
 
 // What the map holds around a direction, over what is the edge of clouds.
 float mapped_clouds(vec3 direction, float footprint) {
-    float texel = CLOUD_TEXEL * (light.radius + light.cloud_height) / float(textureSize(cloud_map, 0).x);
+    float texel = CLOUD_TEXEL * (shading.radius + shading.cloud_height) / float(textureSize(cloud_map, 0).x);
     return textureLod(cloud_map, octahedral(direction), log2(footprint / texel)).r - CLOUD_EDGE;
 }
 
@@ -46,7 +46,7 @@ float share_of_depth(float map) {
 float cloudiness(vec3 direction, float footprint, out float coarse) {
     float map = mapped_clouds(direction, footprint);
     coarse = share_of_depth(map);
-    vec3 weights = axis_weights(direction), widths = DETAIL_WIDTHS * light.radius;
+    vec3 weights = axis_weights(direction), widths = DETAIL_WIDTHS * shading.radius;
     vec3 lods = log2(footprint * float(textureSize(cloud_detail, 0).x) / widths);
     int tiles = map < -DETAIL_MOST ? 0 : resolved_tiles(lods, 6.0);
     for (uint axes = counted_axes(weights); axes != 0u;) {
@@ -66,8 +66,8 @@ float cloudiness_coarse(vec3 direction, float footprint) {
 
 // Where a view ray meets the sheet first; negative if it does not.
 float distance_to_clouds(vec3 ray) {
-    vec2 hits = through_shell(ray, light.cloud_height);
-    float t = light.height_m > light.cloud_height ? hits.x : hits.y;
+    vec2 hits = through_shell(ray, shading.cloud_height);
+    float t = shading.height_m > shading.cloud_height ? hits.x : hits.y;
     return hits.x < hits.y && t > 0.0 ? t : -1.0;
 }
 
@@ -79,9 +79,9 @@ float pixel_on_clouds(float distance, float cosine) { return distance * pixel_an
 float starlight_through_clouds(vec3 ray) {
     float t = distance_to_clouds(ray);
     if (!has_clouds() || t < 0.0) return 1.0;
-    vec3 up = normalize(light.camera + ray * t);
+    vec3 up = normalize(shading.camera + ray * t);
     float cosine = slant(ray, up), coarse;
-    return exp(-light.cloud_depth * cloudiness(up, pixel_on_clouds(t, cosine), coarse) / cosine);
+    return exp(-shading.cloud_depth * cloudiness(up, pixel_on_clouds(t, cosine), coarse) / cosine);
 }
 
 // Share of light that a sheet of some optical depth throws back.
@@ -89,12 +89,12 @@ float cloud_reflectance(float depth) { return depth / (depth + HALF_REFLECTED); 
 
 // Share of the sun's light that the clouds let through to a site `height` metres above the datum.
 float cloud_shadow(vec3 from_centre, float height, float elevation, float footprint) {
-    float above = light.cloud_height - height;
+    float above = shading.cloud_height - height;
     if (!has_clouds() || above <= 0.0 || elevation <= -0.05) return 1.0;
-    float r = light.radius + height, b = r * elevation, q = above * (2.0 * r + above);
+    float r = shading.radius + height, b = r * elevation, q = above * (2.0 * r + above);
     float way = q / (b + sqrt(b * b + q));
     // The sun's disc blurs shadows by a hundredth of the way.
-    float depth = light.cloud_depth * cloudiness_coarse(normalize(from_centre + light.sun * way), max(footprint, 0.01 * way));
+    float depth = shading.cloud_depth * cloudiness_coarse(normalize(from_centre + shading.sun * way), max(footprint, 0.01 * way));
     return 1.0 - cloud_reflectance(depth / max(elevation, 0.1));
 }
 

@@ -31,20 +31,20 @@ float azimuth_column(vec3 ray, vec3 up, vec3 towards, int columns_count) {
 
 // False if the ray passes the air.
 bool find_way(vec3 ray, out Way way) {
-    vec3 up = light.vertical;
+    vec3 up = shading.vertical;
     float height = eye_height(), c = dot(ray, up);
     way.start = 0.0;
     if (is_outside()) {
-        vec2 hits = through_shell(ray, light.air_top);
+        vec2 hits = through_shell(ray, shading.air_top);
         if (hits.x >= hits.y || hits.y <= 0.0) return false;
-        float aside = length(cross(light.camera, ray)) / (bottom_radius() + height);
+        float aside = length(cross(shading.camera, ray)) / (bottom_radius() + height);
         way.start = hits.x;
         c = -sqrt(max((1.0 - aside) * (1.0 + aside), 0.0));
     }
-    bool to_ground = c < sin(light.horizon);
+    bool to_ground = c < sin(shading.horizon);
     ivec2 size = textureSize(scattered_table, 0).xy;
     way.whole = max(way_length(height, c, to_ground), 1e-3);
-    way.coordinates = vec2(azimuth_column(ray, up, light.sunward, size.x), latitude_row(c, to_ground, size.y));
+    way.coordinates = vec2(azimuth_column(ray, up, shading.sunward, size.x), latitude_row(c, to_ground, size.y));
     return true;
 }
 
@@ -83,7 +83,7 @@ Air air_before(vec3 ray, float distance) {
     vec4 column = column_to(air.way, share);
     air.passed = exp(-column.rgb * share);
     float part = ray_part(share, dot(1.0 - air.passed, vec3(1.0 / 3.0)) / max(column.a, 1e-9));
-    float phase = mie_phase(dot(ray, light.sun));
+    float phase = mie_phase(dot(ray, shading.sun));
     air.glow = slice(scattered_table, air.way.coordinates, part) + phase * slice(haze_table, air.way.coordinates, part);
     return air;
 }
@@ -103,7 +103,7 @@ vec3 sky_radiance(vec3 ray) {
     float last = float(textureSize(scattered_table, 0).z - 1);
     vec3 opacity = 1.0 - exp(-textureLod(columns, vec2(1.0, way.coordinates.y), 0.0).rgb);
     vec3 haze = textureLod(haze_table, vec3(way.coordinates, last), 0.0).rgb;
-    return opacity * (textureLod(scattered_table, vec3(way.coordinates, last), 0.0).rgb + mie_phase(dot(ray, light.sun)) * haze);
+    return opacity * (textureLod(scattered_table, vec3(way.coordinates, last), 0.0).rgb + mie_phase(dot(ray, shading.sun)) * haze);
 }
 
 #endif

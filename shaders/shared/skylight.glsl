@@ -9,7 +9,7 @@ layout(binding = 11) uniform sampler2D irradiance;
 // Irradiance of the whole sky on level ground `height` metres above the datum, where the sun's elevation has sine `c`.
 vec3 sky_irradiance(float height, float c) {
     if (!has_air()) return 0.3 * NIGHT;
-    vec2 at = sun_coordinates(clamp(height - light.air_bottom, 0.0, thickness()), c);
+    vec2 at = sun_coordinates(clamp(height - shading.air_bottom, 0.0, thickness()), c);
     return textureLod(irradiance, to_texels(at, textureSize(irradiance, 0)), 0.0).rgb + NIGHT;
 }
 

@@ -17,7 +17,7 @@ vec3 sun_share(float height, float c) {
 // Irradiance of the sun on a surface that faces it, `height` metres above the datum, where the sun's elevation has sine `c`.
 vec3 sun_irradiance(float height, float c) {
     if (!has_air()) return vec3(SUN * smoothstep(-SUN_RADIUS, SUN_RADIUS, c));
-    return SUN * sun_share(max(height - light.air_bottom, 0.0), c);
+    return SUN * sun_share(max(height - shading.air_bottom, 0.0), c);
 }
 
 #endif

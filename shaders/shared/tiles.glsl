@@ -3,7 +3,7 @@
 
 #ifndef TERRANE_TILES
 #define TERRANE_TILES
-#include "light.glsl"
+#include "shading.glsl"
 
 // How much each axis counts where the vertical is `up`: 1 together.
 vec3 axis_weights(vec3 up) {
@@ -32,7 +32,7 @@ int next_axis(inout uint axes) {
 int resolved_tiles(vec3 lods, float limit) { return int(dot(vec3(lessThan(lods, vec3(limit))), vec3(1.0))); }
 
 // A position relative to the camera in periods of REPEAT_M, exact near the camera.
-vec3 in_periods(vec3 from_camera) { return (light.anchor + from_camera) / REPEAT_M; }
+vec3 in_periods(vec3 from_camera) { return (shading.anchor + from_camera) / REPEAT_M; }
 
 // Slopes of a map seen along axis k, as a gradient in space.
 vec3 gradient_along(int k, vec2 slopes) {

@@ -110,22 +110,22 @@ impl Air {
     }
 
     fn record_lasting(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
-        let light = ("Light", Resource::Storage(buffers.shading()));
+        let shading = ("ShadingBlock", Resource::Storage(buffers.shading()));
         let pipelines = &self.pipelines;
-        self.fill(commands, &pipelines.transmittance, &[("table", &self.transmittance)], &[light])?;
+        self.fill(commands, &pipelines.transmittance, &[("table", &self.transmittance)], &[shading])?;
         let [transmittance, _] = self.light();
-        self.fill(commands, &pipelines.multiple, &[("table", &self.multiple)], &[light, transmittance])?;
+        self.fill(commands, &pipelines.multiple, &[("table", &self.multiple)], &[shading, transmittance])?;
         let multiple = self.sampled("multiple", &self.multiple);
-        self.fill(commands, &pipelines.irradiance, &[("table", &self.irradiance)], &[light, transmittance, multiple])
+        self.fill(commands, &pipelines.irradiance, &[("table", &self.irradiance)], &[shading, transmittance, multiple])
     }
 
     fn record_eye(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
-        let light = ("Light", Resource::Storage(buffers.shading()));
+        let shading = ("ShadingBlock", Resource::Storage(buffers.shading()));
         let pipelines = &self.pipelines;
-        self.fill(commands, &pipelines.columns, &[("columns", &self.columns), ("nodes", &self.nodes)], &[light])?;
+        self.fill(commands, &pipelines.columns, &[("columns", &self.columns), ("nodes", &self.nodes)], &[shading])?;
         let written = [("scattered_table", &self.scattered), ("haze_table", &self.haze)];
         let [transmittance, _] = self.light();
-        let read = [light, transmittance, self.sampled("multiple", &self.multiple), self.sampled("nodes", &self.nodes)];
+        let read = [shading, transmittance, self.sampled("multiple", &self.multiple), self.sampled("nodes", &self.nodes)];
         self.fill(commands, &pipelines.aerial, &written, &read)
     }
 

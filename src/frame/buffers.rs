@@ -116,7 +116,7 @@ impl FrameBuffers {
         &self.input().view
     }
 
-    /// The light of this frame.
+    /// The shading of this frame.
     pub fn shading(&self) -> &Buffer {
         &self.input().shading
     }

@@ -56,7 +56,7 @@ impl Draw {
         )?;
         let (geometry, textures) = (geometry(shared.buffers), shared.scene.textures());
         let shading = [
-            shared.light(),
+            shared.shading(),
             ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
             ("albedo", Resource::Sampled(textures.albedo.view(), &textures.sampler)),
             ("relief", Resource::Sampled(textures.relief.view(), &textures.sampler)),

@@ -49,7 +49,7 @@ impl Meter {
         let (width, height) = radiance.size();
         commands.dispatch(width.div_ceil(METER_STRIDE * x), height.div_ceil(METER_STRIDE * y), 1)?;
         commands.ready(&[self.histogram.to(Access::ComputeRead), self.factor.to(Access::ComputeWrite)])?;
-        commands.bind(&self.expose, &[shared.light(), histogram, ("Exposure", Resource::Storage(&self.factor))])?;
+        commands.bind(&self.expose, &[shared.shading(), histogram, ("Exposure", Resource::Storage(&self.factor))])?;
         commands.dispatch(1, 1, 1)?;
         Ok(&self.factor)
     }

@@ -23,7 +23,7 @@ impl Ocean {
         let water = shared.targets.water.view();
         commands.ready(&[ground.depth, ground.color].map(|view| view.to(Access::Sampled)))?;
         let own =
-            [shared.light(), shared.pixels("depth", ground.depth), shared.pixels("ground", ground.color), shared.tiles.waves()];
+            [shared.shading(), shared.pixels("depth", ground.depth), shared.pixels("ground", ground.color), shared.tiles.waves()];
         let (air, clouds) = (shared.air, shared.scene.clouds());
         let resources = [own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat();
         self.pass.record(commands, &[water], None, &resources)?;

@@ -10,7 +10,7 @@ use crate::vulkan::{ImageView, Resource};
 
 /// What all picture stages of a frame share.
 pub(super) struct Shared<'a> {
-    /// The view, the light, and the emitted mesh.
+    /// The view, the shading, and the emitted mesh.
     pub(super) buffers: &'a FrameBuffers,
     /// The ground's textures and the clouds.
     pub(super) scene: &'a Scene,
@@ -23,9 +23,9 @@ pub(super) struct Shared<'a> {
 }
 
 impl<'a> Shared<'a> {
-    /// The light, as shaders bind it.
-    pub(super) fn light(&self) -> (&'static str, Resource<'a>) {
-        ("Light", Resource::Storage(self.buffers.shading()))
+    /// The shading, as shaders bind it.
+    pub(super) fn shading(&self) -> (&'static str, Resource<'a>) {
+        ("ShadingBlock", Resource::Storage(self.buffers.shading()))
     }
 
     /// What an earlier stage drew, pixel by pixel.

@@ -29,7 +29,7 @@ impl Sky {
         let radiance = shared.targets.radiance.view();
         commands.ready(&[ground.depth, ground.color, water].map(|view| view.to(Access::Sampled)))?;
         let own = [
-            shared.light(),
+            shared.shading(),
             ("View", Resource::Storage(shared.buffers.view())),
             shared.pixels("depth", ground.depth),
             shared.pixels("ground", ground.color),

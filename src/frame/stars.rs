@@ -34,7 +34,7 @@ impl Stars {
     ) -> Result<()> {
         commands.ready(&[depth.to(Access::Sampled), radiance.to(Access::ColorTarget)])?;
         commands.begin_rendering(&[ColorTarget { view: radiance, clear: None }], None)?;
-        let own = [shared.light(), shared.pixels("depth", depth)];
+        let own = [shared.shading(), shared.pixels("depth", depth)];
         commands.bind(&self.pipeline, &[own.as_slice(), &shared.air.eye(), &shared.scene.clouds().bound()].concat())?;
         commands.draw(4, STARS)?;
         commands.end_rendering()

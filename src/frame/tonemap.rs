@@ -30,7 +30,7 @@ impl Tonemap {
         commands.ready(&[radiance, edges].map(|view| view.to(Access::Sampled)))?;
         commands.ready(&[metered.to(Access::GraphicsRead)])?;
         let metered = ("Exposure", Resource::Storage(metered));
-        let resources = [shared.light(), metered, shared.pixels("radiance", radiance), shared.pixels("edges", edges)];
+        let resources = [shared.shading(), metered, shared.pixels("radiance", radiance), shared.pixels("edges", edges)];
         self.pass.record(commands, &[picture], None, &resources)
     }
 }
