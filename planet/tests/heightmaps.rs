@@ -148,7 +148,7 @@ fn recipes_that_do_not_fit_their_file_are_refused() {
 }
 
 #[test]
-fn jacksboro_lies_at_its_place() {
+fn jacksboro_lies_at_its_site() {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("recipes");
     let recipe = Recipe::load(&folder.join("jacksboro.toml")).unwrap();
     let file = load(&folder.join("jacksboro_fault_dem.tif")).unwrap();

@@ -77,7 +77,7 @@ proptest! {
 }
 
 #[test]
-fn the_eight_cube_corners_are_one_place_for_three_faces() {
+fn the_eight_cube_corners_are_one_point_for_three_faces() {
     let field = field();
     let mut corners = HashSet::new();
     for root in PatchId::roots() {

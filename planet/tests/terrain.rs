@@ -164,7 +164,7 @@ fn terrain_has_relief_at_one_metre() {
             let ahead = terrain.height((d + step).normalize());
             rough += usize::from((ahead + back - 2.0 * terrain.height(d)).abs() > 1e-3);
         }
-        assert!(rough > 150, "{name}: only {rough} of 200 places have relief at one metre");
+        assert!(rough > 150, "{name}: only {rough} of 200 sites have relief at one metre");
     }
 }
 
@@ -276,7 +276,7 @@ fn a_shield_volcano_has_flanks_and_a_caldera() {
 }
 
 #[test]
-fn a_rift_has_a_floor_and_lies_at_its_place() {
+fn a_rift_has_a_floor_and_lies_at_its_site() {
     let terrain = dry(RIFT);
     let ground = heights(&terrain, &spread(40_000));
     assert!(ground.iter().all(|h| (-900.001..=0.0).contains(h)));
@@ -310,7 +310,7 @@ fn landmarks_are_the_same_in_any_slice() {
             assert_eq!(terrain.height(*d).to_bits(), h.to_bits(), "{layer} at {d}");
         }
         let changed = heights(&terrain, &directions).iter().filter(|h| **h != 0.0).count();
-        assert!((100..20_000).contains(&changed), "{layer} changes {changed} of 30,000 places");
+        assert!((100..20_000).contains(&changed), "{layer} changes {changed} of 30,000 sites");
         let zeros = directions.iter().zip(heights(&terrain, &directions)).filter(|(_, h)| *h == 0.0);
         assert!(zeros.step_by(7).all(|(d, _)| terrain.height(*d) == 0.0), "{layer}");
     }
@@ -403,7 +403,7 @@ fn wrong_images_are_refused() {
 }
 
 #[test]
-fn a_map_of_the_planet_lies_at_its_place() {
+fn a_map_of_the_planet_lies_where_it_should() {
     // White in the column east of longitude 90, black elsewhere but for a grey northernmost row.
     let pixel = |x: u32, y: u32| if y == 0 { 32_768 } else { u16::from(x == 48) * 65_535 };
     let terrain = mapped(grey16(64, 32, pixel), "").unwrap();
@@ -416,7 +416,7 @@ fn a_map_of_the_planet_lies_at_its_place() {
 }
 
 #[test]
-fn a_local_map_lies_at_its_place() {
+fn a_local_map_lies_at_its_site() {
     // 4000 m wide, its right half white; centre at 30 N 40 E.
     let placement = "latitude_deg = 30.0\nlongitude_deg = 40.0\nwidth_m = 4000.0\nblend_m = 400.0\n";
     let bytes = grey16(64, 64, |x, _| u16::from(x >= 32) * 65_535);

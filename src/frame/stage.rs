@@ -119,7 +119,7 @@ mod tests {
     use super::{PerStage, Stage};
 
     #[test]
-    fn every_stage_stands_at_its_place_under_a_name_of_its_own() {
+    fn every_stage_stands_at_its_index_under_a_name_of_its_own() {
         let per_stage = PerStage::from_fn(|stage| stage);
         for (k, stage) in Stage::ALL.into_iter().enumerate() {
             assert_eq!((stage as usize, per_stage[stage]), (k, stage));

@@ -182,7 +182,7 @@ impl ScreenErrors {
         for (count, what) in [
             (self.cracks, "cracks in perturbed cuts"),
             (self.flipped, "flipped triangles in perturbed cuts"),
-            (missed, "places where a surface has a hole"),
+            (missed, "points where a surface has a hole"),
         ] {
             if count > 0 {
                 broken.push(format!("{count} {what}"));

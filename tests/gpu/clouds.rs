@@ -100,8 +100,8 @@ fn clouds_lie_where_the_map_says() {
     }
     println!("{hidden} of {thick} thick, {changed} of {clear} clear");
     assert!(thick > 500 && clear > 3000, "too little of each: {thick}, {clear}");
-    assert!(hidden * 100 > thick * 97, "{hidden} of {thick} places under thick cloud look another way");
-    assert!(changed * 200 < clear, "{changed} of {clear} places under a clear sky look another way");
+    assert!(hidden * 100 > thick * 97, "{hidden} of {thick} directions under thick cloud look another way");
+    assert!(changed * 200 < clear, "{changed} of {clear} directions under a clear sky look another way");
     assert!(elsewhere * 20 > clear, "a mirrored map would pass: {elsewhere} of {clear}");
 }
 

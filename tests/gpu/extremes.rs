@@ -118,7 +118,7 @@ fn cameras(studio: &Studio) -> Vec<(String, Camera)> {
 }
 
 #[test]
-fn pictures_from_extreme_places_show_the_ground_where_it_is() {
+fn pictures_from_extreme_sites_show_the_ground_where_it_is() {
     let Some(context) = device() else { return };
     let mut studio = Studio::new(&context);
     for (name, camera) in cameras(&studio) {

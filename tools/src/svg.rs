@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn logarithmic_axes_begin_and_end_at_their_places() {
+    fn logarithmic_axes_begin_and_end_at_their_positions() {
         let at = |value: f64| logarithmic(value, [0.01, 100.0], [300.0, 100.0]);
         assert_eq!([at(0.01), at(1.0), at(100.0)], [300.0, 200.0, 100.0]);
     }

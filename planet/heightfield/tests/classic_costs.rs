@@ -113,7 +113,7 @@ fn equal_fields_give_equal_meshes() {
 }
 
 #[test]
-fn fields_with_gaps_are_refused_with_the_place_and_what_to_do() {
+fn fields_with_gaps_are_refused_with_the_sample_and_what_to_do() {
     let mut heights = hills(5, 5).heights().to_vec();
     heights[13] = f32::NAN;
     heights[14] = f32::INFINITY;

@@ -218,7 +218,7 @@ fn set_faces_stays_at_or_below_what_is_asked_and_at_the_ends() {
 }
 
 #[test]
-fn corners_gaps_and_wrong_orders_are_refused_with_the_place() {
+fn corners_gaps_and_wrong_orders_are_refused_with_the_step() {
     let field = bumpy(4, 4);
     let one = |sample: u32, into: u32| {
         let mut parent = vec![NONE; 16];

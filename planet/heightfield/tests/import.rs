@@ -35,7 +35,7 @@ fn formats_agree_about_the_same_terrain() {
 }
 
 #[test]
-fn a_geotiff_lies_at_its_stated_place() {
+fn a_geotiff_lies_at_its_stated_site() {
     let tiff = jacksboro();
     let grid = tiff.grid.unwrap();
     let half = 0.5 / 1200.0;

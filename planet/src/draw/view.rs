@@ -281,7 +281,7 @@ mod tests {
         }
     }
     #[test]
-    fn a_window_shows_the_same_places_where_the_whole_picture_has_them() {
+    fn a_window_shows_the_same_points_where_the_whole_picture_has_them() {
         let view = View::new(camera(), &Lattice::new(6.371e6, 9e3), 128, 1.0);
         let window = Window { origin: [960, 90], size: [400, 200] };
         let part = view.through(window);

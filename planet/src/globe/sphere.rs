@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn places_and_directions_invert() {
+    fn latitude_longitude_inverts_direction_at() {
         for (lat, lon) in [(0.0, 0.0), (47.5, 11.25), (-89.0, -170.0), (12.0, 179.5)] {
             let (a, b) = latitude_longitude(direction_at(lat, lon));
             assert!((a - lat).abs() < 1e-9 && (b - lon).abs() < 1e-9);

@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vertex_wakes_in_its_parents_place_and_is_in_its_own_at_its_wake() {
+    fn a_vertex_wakes_in_its_parents_position_and_is_in_its_own_at_its_wake() {
         let weight = |share: f64| {
             let (view, vertex) = ahead(share);
             morph_weight(&view.gpu, &vertex, 0)
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn without_geomorphs_a_vertex_is_in_its_own_place_or_asleep() {
+    fn without_geomorphs_a_vertex_is_in_its_own_position_or_asleep() {
         let weight = |share: f64| {
             let (view, vertex) = ahead(share);
             morph_weight(&view.without_geomorphs().gpu, &vertex, 0)

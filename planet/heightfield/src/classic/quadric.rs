@@ -167,7 +167,7 @@ mod tests {
     }
 
     #[test]
-    fn the_best_place_costs_least() {
+    fn the_best_position_costs_least() {
         let heights = (0..25).map(|i: u32| (i.wrapping_mul(2_654_435_761) >> 24) as f32 / 64.0).collect();
         let mesh = FaceMesh::from_heightfield(&Heightfield::new(5, 5, heights).unwrap());
         let quadrics = Quadrics::new(&mesh);
