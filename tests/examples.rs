@@ -6,8 +6,10 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use terrane::vulkan::{Context, ContextOptions};
 
-/// The examples: name, whether it needs a device, and a file that it makes with the bytes that this begins with.
-const EXAMPLES: [(&str, bool, Option<(&str, &[u8])>); 4] = [
+/// An example: its name, whether it needs a device, and the file that it makes, if any, with the bytes that this begins with.
+type Example = (&'static str, bool, Option<(&'static str, &'static [u8])>);
+
+const EXAMPLES: [Example; 4] = [
     ("buffers", false, Some(("terrane-buffers.obj", b"v "))),
     ("heights", false, None),
     ("own_terrain", false, Some(("terrane-own.planet", b"SQLite format 3"))),
