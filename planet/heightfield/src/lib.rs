@@ -12,7 +12,7 @@ mod field;
 mod fill;
 pub mod import;
 pub mod plain;
-pub mod polish;
+mod polish;
 pub mod polished;
 mod raster;
 

@@ -1,7 +1,7 @@
 //! The measured-error simplifier of plain heightfields: half-edge collapses by rising error, down to the four corners.
 //!
 //! In: a heightfield. Out: the whole sequence of collapses, from which the surface at any number of faces follows. The error of
-//! every collapse is measured at all samples below its new triangles; the queue is lazy, as in [`terrane_planet::mesh::builder`].
+//! every collapse is measured at all samples below its new triangles; the queue is lazy, as in the builder of patches.
 
 use crate::decimate::decimator::Decimator;
 use crate::decimate::mesh::{Mesh, NONE};

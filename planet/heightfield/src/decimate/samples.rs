@@ -1,7 +1,7 @@
 //! The samples that a mesh approximates, as a simplifier sees them: a plane with straight rows and columns, and over every grid
 //! point a depth that is affine on every triangle.
 //!
-//! On a plain heightfield that is the height itself. On a planet it is the gnomonic plane, see [`terrane_planet::mesh::surface`].
+//! On a plain heightfield that is the height itself. On a planet it is the gnomonic plane, see `surface.rs` of terrane-planet.
 
 use super::mesh::NONE;
 

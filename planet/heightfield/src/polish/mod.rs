@@ -55,7 +55,7 @@ const LAST_FIT: Sweeps = Sweeps { doublings: 3, count: 20 };
 /// Polishes a surface that triangulates the rectangle of `field` with vertices on samples, up to `faces` faces or one less. The
 /// outline and its corners stay where they are in the plane. The largest error may end above that of another surface with as many
 /// faces: compare.
-pub fn polish(surface: TriangleSurface, field: &Heightfield, faces: usize) -> TriangleSurface {
+pub(crate) fn polish(surface: TriangleSurface, field: &Heightfield, faces: usize) -> TriangleSurface {
     let mut polish = Polish::new(surface, field);
     polish.flip_and_fit(FIRST_FIT);
     polish.grow(faces);
