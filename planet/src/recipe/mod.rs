@@ -15,10 +15,7 @@ pub use clouds::Clouds;
 pub use edit::{Edit, EditRange, Shape};
 pub use error::RecipeError;
 pub(crate) use layer::layer_kinds;
-pub use layer::{
-    Canyons, Caps, Continents, Craters, Dunes, HeightScale, Heightmap, Hills, Lava, Layer, Mountains, Octaves, Placement,
-};
-pub use layer::{Plains, Regions, Rift, Shield};
+pub use layer::*;
 pub use palette::{Airless, Colour, Desert, Living, Palette};
 
 use crate::globe::sun::EARTH_TILT;

@@ -2,7 +2,6 @@
 //! In: a recipe's layer. Out: a step that adds its metres to a chunk of points.
 
 use super::points::{Lane, Points, WideLane, LANES};
-use super::{canyons, caps, craters, dunes, heightmap, lava, relief, rift, shield};
 use crate::recipe::{layer_kinds, Layer, Recipe, RecipeError};
 
 /// What layers leave for those after them.
@@ -83,14 +82,14 @@ macro_rules! steps {
     ($($(#[$meta:meta])* $kind:ident = $name:literal in $file:ident;)*) => {
         /// One layer, ready to evaluate.
         pub(super) enum Step {
-            $($kind(Box<$file::$kind>),)*
+            $($kind(Box<super::$file::$kind>),)*
         }
 
         impl Step {
             /// Prepares a layer of a planet.
             pub(super) fn new(seed: u64, layer: &Layer, planet: &Recipe) -> Result<Self, RecipeError> {
                 Ok(match layer {
-                    $(Layer::$kind(own) => Self::$kind(Box::new($file::$kind::new(seed, own, planet)?)),)*
+                    $(Layer::$kind(own) => Self::$kind(Box::new(super::$file::$kind::new(seed, own, planet)?)),)*
                 })
             }
 
