@@ -25,7 +25,7 @@ use thiserror::Error;
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
 pub enum ExportError {
     /// A file name that says nothing, or something else.
-    #[error("'{file}': its extension names no mesh format; expected .glb, .obj or .ply")]
+    #[error("'{file}': its extension names no mesh format; expected {EXTENSIONS}")]
     UnknownFormat {
         /// The file name.
         file: String,
@@ -58,22 +58,24 @@ pub enum Format {
     Ply,
 }
 
+/// The extensions of all formats, for messages and help texts.
+pub const EXTENSIONS: &str = ".glb, .obj or .ply";
+
 impl Format {
+    /// All formats.
+    pub const ALL: [Format; 3] = [Format::Glb, Format::Obj, Format::Ply];
+
     /// The format that a file name's extension asks for.
     ///
     /// # Errors
-    /// For any but `glb`, `obj` and `ply`, in whatever case.
+    /// For any but one of [`EXTENSIONS`], in whatever case.
     pub fn of(path: &Path) -> Result<Format, ExportError> {
-        let extension = path.extension().map(|e| e.to_string_lossy().to_lowercase());
-        match extension.as_deref() {
-            Some("glb") => Ok(Format::Glb),
-            Some("obj") => Ok(Format::Obj),
-            Some("ply") => Ok(Format::Ply),
-            _ => Err(ExportError::UnknownFormat { file: path.display().to_string() }),
-        }
+        let extension = path.extension().map(|e| e.to_string_lossy().to_uppercase());
+        let found = Format::ALL.into_iter().find(|format| extension.as_deref() == Some(format.name()));
+        found.ok_or_else(|| ExportError::UnknownFormat { file: path.display().to_string() })
     }
 
-    /// Its name in messages.
+    /// Its name in messages, which is its extension in capitals.
     pub fn name(self) -> &'static str {
         match self {
             Format::Glb => "GLB",
@@ -179,4 +181,19 @@ impl<'a> Model<'a> {
 /// in single precision too (they have 30 bits, of which the last 6 are 0).
 pub fn origin_near(anchor: [i32; 3]) -> IVec3 {
     IVec3::from_array(anchor.map(|c| c & !63))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_format_is_known_by_its_extension_and_listed() {
+        for format in Format::ALL {
+            let extension = format!(".{}", format.name().to_lowercase());
+            assert_eq!(Format::of(Path::new(&format!("a{extension}"))), Ok(format));
+            assert!(EXTENSIONS.contains(&extension), "{EXTENSIONS} lacks {extension}");
+        }
+        assert_eq!(EXTENSIONS.matches('.').count(), Format::ALL.len());
+    }
 }

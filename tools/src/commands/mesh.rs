@@ -9,7 +9,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::view::View;
-use terrane_planet::export::{origin_near, view_surface, Format, Placed};
+use terrane_planet::export::{origin_near, view_surface, Format, Placed, EXTENSIONS};
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
 
@@ -39,8 +39,7 @@ pub(crate) struct Mesh {
     /// Where coordinates start from [default: view for GLB, planet for OBJ and PLY].
     #[arg(long, value_enum)]
     centre: Option<Centre>,
-    /// File to write: .glb, .obj or .ply.
-    #[arg(long)]
+    #[arg(long, help = format!("File to write: {EXTENSIONS}"))]
     out: PathBuf,
     /// Print one JSON object.
     #[arg(long)]

@@ -13,7 +13,7 @@ use terrane_heightfield::classic::{Cost, Level, Levels};
 use terrane_heightfield::import;
 use terrane_heightfield::import::Imported;
 use terrane_heightfield::Heightfield;
-use terrane_planet::export::{Format, Model};
+use terrane_planet::export::{Format, Model, EXTENSIONS};
 
 /// Metres between samples of a file that does not say.
 const DEFAULT_SPACING_M: f64 = 1.0;
@@ -59,8 +59,7 @@ pub(crate) struct Simplify {
     /// Metres a unit of height in the file.
     #[arg(long, value_name = "M", default_value_t = 1.0)]
     height_scale: f64,
-    /// File to write: .glb, .obj or .ply.
-    #[arg(long)]
+    #[arg(long, help = format!("File to write: {EXTENSIONS}"))]
     out: PathBuf,
     /// Print one JSON object.
     #[arg(long)]
