@@ -2,7 +2,7 @@
 //! and quadric collapses (`meshopt`). In: fractal and ridged fields, made here. Out: timings, and a Markdown table of errors, all
 //! measured alike by `TriangleSurface::deviation`.
 //!
-//! `cargo bench -p terrane-planet --bench simplify` runs both; with `quality` only the table, with `timing` only the timings.
+//! `cargo bench -p terrane-heightfield --bench simplify` runs both; with `quality` only the table, with `timing` only the timings.
 
 use criterion::{BenchmarkId, Criterion, Throughput};
 use std::hint::black_box;
