@@ -6,7 +6,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 
-use common::{command, text};
+use common::{command, skipped, text};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
@@ -140,17 +140,11 @@ impl Picture {
     }
 }
 
-/// Says that a test cannot run here; on CI that is a failure.
-fn skip(reason: &str) {
-    assert!(std::env::var_os("TERRANE_REQUIRE_GPU").is_none_or(|value| value != "1"), "{reason}");
-    eprintln!("skipped: {reason}");
-}
-
 #[test]
 fn a_flight_obeys_mouse_and_keys_and_leaves_validation_silent() {
-    let Some((_server, display)) = display() else { return skip("no Xvfb; apt install xvfb") };
+    let Some((_server, display)) = display() else { return skipped(&"no Xvfb; apt install xvfb") };
     if Hand::xdotool(&display, &["version"]).is_none() {
-        return skip("no xdotool; apt install xdotool");
+        return skipped(&"no xdotool; apt install xdotool");
     }
     let folder = tempfile::tempdir().unwrap();
     let planet = bake(folder.path());

@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use crate::common::{command, text};
+use crate::common::{command, skipped, text};
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Output;
@@ -18,9 +18,7 @@ fn has_device() -> bool {
     let output = command(&["gpus"]).output().unwrap();
     let found = output.status.success() && text(&output.stdout).contains(" usable");
     if !found {
-        let required = std::env::var("TERRANE_REQUIRE_GPU").is_ok_and(|value| value == "1");
-        assert!(!required, "no device: {}", text(&output.stderr));
-        println!("skipped: {}", text(&output.stderr));
+        skipped(&text(&output.stderr));
     }
     found
 }
