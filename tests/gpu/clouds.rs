@@ -111,7 +111,7 @@ fn tiles_have_the_clouds_of_the_whole_picture() {
     let mut sky = Sky::new(&context);
     let view = sky.view(DVec3::new(0.3, 0.5, 0.6).normalize() * (CLOUDS + 900.0), -12.0, 1.1);
     let cut = sky.scene.settle(&view).unwrap();
-    let look = Look { mode: Mode::Shaded, sun: view.eye.normalize(), exposure: DAYLIGHT, metering: None, clouds: true };
+    let look = Look::daylight(view.eye.normalize());
     let draw = |tile| {
         let mut studio = Studio::new(&context, SIZE, StillOptions { tile, ..StillOptions::default() }).unwrap();
         match studio.draw(&sky.scene, &view, &cut, &look, &|_, _| ()).unwrap().pixels {

@@ -3,11 +3,10 @@
 
 use crate::harness::{device, pixel_ray, planet_file};
 use glam::{DVec3, IVec3};
-use terrane::frame::{sun_over, Look, DAYLIGHT};
+use terrane::frame::{sun_over, Look};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::draw::layout::Mode;
 use terrane_planet::draw::view::{Camera, View, NEAR};
 use terrane_planet::globe::sphere::{direction, ONE};
 
@@ -66,7 +65,7 @@ impl Studio {
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();
         let sun = sun_over(camera.position.normalize_or(DVec3::X), 135.0, 35.0);
-        let look = Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None, clouds: true };
+        let look = Look::daylight(sun);
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
         assert!(self.headless.radiance().unwrap().iter().all(|x| x.is_finite()), "{name}: radiance that is no number");
         let depth = self.headless.depth().unwrap();

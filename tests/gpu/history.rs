@@ -4,18 +4,18 @@ use crate::harness::{device, planet_file};
 use glam::DVec3;
 use std::collections::BTreeSet;
 use std::sync::Arc;
-use terrane::frame::{Look, DAYLIGHT};
+use terrane::frame::Look;
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::draw::layout::{Mode, VERTEX_BITS};
+use terrane_planet::draw::layout::VERTEX_BITS;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::patch::PatchId;
 
 /// Size of the pictures.
 const SIZE: [u32; 2] = [320, 180];
 
-const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::new(0.8, 0.6, 0.0), exposure: DAYLIGHT, metering: None, clouds: true };
+const LOOK: Look = Look::daylight(DVec3::new(0.8, 0.6, 0.0));
 
 /// A viewer over the corner of a face, where patches are finest.
 #[derive(Clone, Copy)]

@@ -6,11 +6,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::Arc;
-use terrane::frame::{Look, DAYLIGHT};
+use terrane::frame::Look;
 use terrane::headless::Headless;
 use terrane::scene::{CacheOptions, OnDemand, Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::draw::layout::{Mode, VERTEX_BITS};
+use terrane_planet::draw::layout::VERTEX_BITS;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::planet::bake::{bake, BakePlan};
@@ -55,7 +55,7 @@ fn views(planet: &Planet) -> Vec<View> {
 /// Everything that a view draws: triangles as patches and vertices, whatever their order.
 fn drawn(context: &Arc<Context>, scene: &mut Scene, view: &View) -> BTreeSet<(PatchId, [u32; 3])> {
     let mut headless = Headless::new(context, (64, 64)).unwrap();
-    let look = Look { mode: Mode::Shaded, sun: DVec3::X, exposure: DAYLIGHT, metering: None, clouds: true };
+    let look = Look::daylight(DVec3::X);
     let cut = scene.settle(view).unwrap();
     assert!(scene.is_settled());
     let report = headless.select_whole(scene, view, &cut, &look).unwrap();

@@ -3,7 +3,7 @@
 use crate::harness::{device_with, planet_file};
 use glam::DVec3;
 use std::sync::Arc;
-use terrane::frame::{sun_over, Look, DAYLIGHT};
+use terrane::frame::{sun_over, Look};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::stills::{PixelFormat, Pixels, Still, StillOptions, Studio};
@@ -32,8 +32,7 @@ impl Set {
         let site = highest(planet);
         let position = planet.position_above(site, altitude);
         let view = View::new(Camera::looking(position, 20.0, pitch, 0.9, SIZE), scene.lattice(), planet.cells, 1.0);
-        let look =
-            Look { mode: Mode::Shaded, sun: sun_over(site, 120.0, 30.0), exposure: DAYLIGHT, metering: None, clouds: true };
+        let look = Look::daylight(sun_over(site, 120.0, 30.0));
         let cut = scene.settle(&view).unwrap();
         Set { context: context.clone(), scene, view, cut, look }
     }
