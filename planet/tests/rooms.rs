@@ -214,3 +214,18 @@ fn paths_that_go_up_are_found() {
     assert_eq!(found("use super::wake::Wake; use crate::ground::Ground; // crate::draw::view"), Vec::<String>::new());
     assert_eq!(found("fn f() {}\n#[cfg(test)]\nmod tests { use crate::draw::view::View; }"), Vec::<String>::new());
 }
+
+#[test]
+fn every_file_of_tests_is_run() {
+    // Folders whose files are modules of one program, and the files there that are programs of their own.
+    for (folder, apart) in [("planet/tests", ""), ("planet/heightfield/tests", ""), ("tests/command", "fly"), ("tests/gpu", "")] {
+        let folder = root().join(folder);
+        let program = std::fs::read_to_string(folder.join("main.rs")).expect("the program");
+        for file in std::fs::read_dir(&folder).expect("the folder is there").map(|entry| entry.expect("it can be read").path()) {
+            let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
+            let is_source = file.extension().is_some_and(|e| e == "rs");
+            let run = name == "main" || name == apart || program.contains(&format!("\nmod {name};\n"));
+            assert!(run || !is_source, "{} is not run: add it to main.rs", file.display());
+        }
+    }
+}
