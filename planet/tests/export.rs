@@ -179,7 +179,7 @@ fn a_view_has_the_triangles_of_the_twins() {
         let view = tiny.view(altitude);
         let mut corners = Vec::new();
         for leaf in cut(&tiny.tree, &view, &|_| true).leaves {
-            if !is_visible(&tiny.tree, &view, tiny.tree.get(leaf.id).unwrap()) {
+            if !is_visible(&tiny.tree, &view, &tiny.tree.get(leaf.id).unwrap().space) {
                 continue;
             }
             let patch = tiny.load(leaf.id);

@@ -111,7 +111,7 @@ fn draw(planet: &Planet, view: &View, name: &str) -> (usize, bool) {
         let Selected { awake, drawn_positions } = select(&view.gpu, vertices, u32::from(leaf.coarser_sides));
         let resolved = resolve(vertices, &awake);
         check.add(vertices, &drawn_positions, &emit(&whole.gpu, &patch.triangles(&work), &resolved, &drawn_positions));
-        if !is_visible(&planet.tree, view, planet.tree.get(leaf.id).unwrap()) {
+        if !is_visible(&planet.tree, view, &planet.tree.get(leaf.id).unwrap().space) {
             continue;
         }
         for triangle in emit(&view.gpu, &patch.triangles(&work), &resolved, &drawn_positions) {
@@ -164,7 +164,7 @@ fn what_lies_behind_the_horizon_is_not_drawn() {
         let radius = FIELD.radius + known.height_at(site).unwrap().height + metres;
         let sees = |camera: Camera| {
             let view = View::new(camera, &planet.tree.lattice, CELLS, 0.1);
-            far.iter().filter(|id| is_visible(&planet.tree, &view, planet.tree.get(**id).unwrap())).count()
+            far.iter().filter(|id| is_visible(&planet.tree, &view, &planet.tree.get(**id).unwrap().space)).count()
         };
         let looking_down = |site: DVec3| Camera::looking(site * radius, 0.0, -90.0, 0.9, [640, 360]);
         assert_eq!(sees(looking_down(site)), 0, "from {metres} m");

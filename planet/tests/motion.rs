@@ -53,7 +53,7 @@ struct Frame {
 impl Frame {
     fn new(planet: &Planet, view: View, resident: &dyn Fn(PatchId) -> bool) -> Frame {
         let leaves = cut(&planet.tree, &view, resident).leaves;
-        let seen = |leaf: &&Leaf| planet.tree.get(leaf.id).is_some_and(|node| is_visible(&planet.tree, &view, node));
+        let seen = |leaf: &&Leaf| planet.tree.get(leaf.id).is_some_and(|node| is_visible(&planet.tree, &view, &node.space));
         let patches = leaves.iter().filter(seen).map(|leaf| (leaf.id, drawn(planet, &view, leaf))).collect();
         Frame { view, patches, leaves }
     }

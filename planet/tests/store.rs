@@ -199,7 +199,7 @@ fn damage_behind_a_right_checksum_never_panics() {
     assert!(reached_beyond > 0, "no damage got past the envelope");
     let stated_length = u32::MAX.to_le_bytes();
     let mut huge = baked.geometry.clone();
-    huge[30 + 48..30 + 52].copy_from_slice(&stated_length);
+    huge[30 + 104..30 + 108].copy_from_slice(&stated_length);
     seal(&mut huge);
     assert!(matches!(geometry::decode(&huge, id, CELLS), Err(RecordError::Short { .. })));
 }
@@ -216,7 +216,7 @@ fn records_of_other_patches_versions_and_grids_are_told_apart() {
     assert!(matches!(geometry::decode(&baked.texture, id, CELLS), Err(RecordError::Magic { .. })));
     let mut newer = baked.geometry.clone();
     newer[4] = 9;
-    assert!(matches!(geometry::decode(&newer, id, CELLS), Err(RecordError::Version { found: 9, expected: 1 })));
+    assert!(matches!(geometry::decode(&newer, id, CELLS), Err(RecordError::Version { found: 9, expected: 2 })));
     assert!(matches!(geometry::decode(&[], id, CELLS), Err(RecordError::Short { .. })));
 }
 

@@ -58,7 +58,7 @@ fn the_work_follows_what_is_drawn() {
     let [mut awake, mut prefix, mut kept, mut processed, mut divided] = [0; 5];
     for view in views(&planet, &FIELD, 40) {
         for leaf in cut(&planet.tree, &view, &|_| true).leaves {
-            if is_visible(&planet.tree, &view, planet.tree.get(leaf.id).unwrap()) {
+            if is_visible(&planet.tree, &view, &planet.tree.get(leaf.id).unwrap().space) {
                 let patch = &planet.patches[&leaf.id].0;
                 let work = patch.reach.work(&view);
                 let (vertices, triangles) = drawn(&view, &leaf, patch, &work);

@@ -46,7 +46,7 @@ impl FrameTables {
         let mut tables = FrameTables { eye: view.eye, ..FrameTables::default() };
         for leaf in cut.leaves.iter().take(MAX_PATCHES as usize) {
             let (Some(node), Some(patch)) = (scene.tree().get(leaf.id), scene.resident(leaf.id)) else { continue };
-            if whole || is_visible(scene.tree(), view, node) {
+            if whole || is_visible(scene.tree(), view, &node.space) {
                 tables.add(scene, view, *leaf, patch);
             }
         }

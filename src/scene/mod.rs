@@ -324,10 +324,8 @@ impl Scene {
     }
 
     fn mark_used(&mut self, cut: &Cut) {
-        // Those that wait for their siblings, or for a neighbour, count as used: taken out to make room for these, they would be asked
-        // for for ever.
-        let waiting = cut.wanted.iter().map(|(id, _)| *id).chain(cut.blocked.iter().copied());
-        for id in waiting.filter_map(PatchId::children).flatten() {
+        // Those that wait for others count as used: taken out to make room for these, they would be asked for for ever.
+        for id in cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id)) {
             if let Some(patch) = self.resident.get_mut(&id) {
                 patch.last_used = self.frame;
             }
@@ -345,13 +343,10 @@ impl Scene {
     }
 
     fn request(&mut self, cut: &Cut, stale: &[PatchId]) {
-        let children = |&(id, urgency): &(PatchId, f64)| {
-            id.children().into_iter().flatten().map(move |child| (child, Request::Patch, urgency))
-        };
         // What was just turned away would be again: it is not read and decoded anew for every frame.
         let turned_away = self.full_at.is_some_and(|at| self.frame < at + PATIENCE);
         let wanted: &[_] = if turned_away { &[] } else { &cut.wanted };
-        let missing = wanted.iter().flat_map(children).filter(|(id, ..)| !self.resident.contains_key(id));
+        let missing = wanted.iter().map(|&(id, urgency)| (id, Request::Patch, urgency));
         // Shape before light.
         self.loader.request(missing.chain(stale.iter().map(|&id| (id, Request::Horizon, f64::MAX))).collect());
     }

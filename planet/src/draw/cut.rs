@@ -1,14 +1,14 @@
 //! The patch cut: which patches a view draws. A pure function of (resident patches, view), 2:1 balanced across edges.
 //!
 //! A patch splits where the viewer is nearer to its bounds than one of two distances: for closure's sake, seen or not, and for the detail of
-//! what is seen of it. And only when all four children are resident, so that missing data makes a coarser picture and never a hole.
+//! what is seen of it. And only when whatever replaces it is resident, so that missing data makes a coarser picture and never a hole.
 
-use super::tree::{PatchNode, PatchTree};
+use super::tree::{PatchNode, PatchTree, QuarterNode, Space};
 use super::view::View;
 use crate::globe::lattice::LatticeBox;
 use crate::globe::patch::{PatchId, Side};
 use glam::DVec3;
-use std::collections::HashSet;
+use std::collections::HashMap;
 
 /// Pixels that a texel may cover before a patch splits for its texture's sake.
 pub const TEXEL_PIXELS: f64 = 2.0;
@@ -25,16 +25,17 @@ pub struct Leaf {
     pub coarser_sides: u8,
 }
 
-/// The patches that cover the planet in a view.
+/// The patches that a view draws, and what it would rather draw.
 #[derive(Clone, Debug, Default)]
 pub struct Cut {
     /// Drawn patches, in traversal order.
     pub leaves: Vec<Leaf>,
-    /// Patches whose children the view wants but which are not all resident, with their urgency (see [`urgency`];
-    /// smaller is more urgent).
+    /// Patches that the view would draw and that are not resident, the parent's urgency with each (see [`urgency`]; smaller is more urgent).
     pub wanted: Vec<(PatchId, f64)>,
-    /// Patches whose children the view wants and which are all resident, but wait for a neighbour to split first.
-    pub blocked: Vec<PatchId>,
+    /// All patches that the view would draw, resident or not.
+    pub ideal: Vec<PatchId>,
+    /// Their ancestors, with the urgency of whatever is above each.
+    pub above: Vec<(PatchId, f64)>,
 }
 
 /// Distance in lattice units at which a patch of a level splits for its texture's sake.
@@ -61,9 +62,18 @@ fn outside_by(view: &View, low: DVec3, high: DVec3) -> f64 {
     view.planes.iter().map(least).fold(0.0, f64::max)
 }
 
-/// Computes the cut. `resident` says which patches can be drawn; the six roots must be.
+/// The cut of the whole planet, seen or not. `resident` says which patches can be drawn; the six roots must be.
 pub fn cut(tree: &PatchTree, view: &View, resident: &dyn Fn(PatchId) -> bool) -> Cut {
     cut_by(tree, &|id, node| urgency(tree, view, id.level, node), resident)
+}
+
+/// The cut of what is in sight: nothing is said of other patches, and none of them need be resident or known.
+///
+/// Borders are canonical, so where nothing is drawn behind a side no crack can be seen there, and that side counts as one with a neighbour
+/// of the same level: the finest that the patch can be.
+pub fn cut_in_sight(tree: &PatchTree, view: &View, resident: &dyn Fn(PatchId) -> bool) -> Cut {
+    let urgency = |id: PatchId, node: &PatchNode| urgency(tree, view, id.level, node);
+    Search::new(tree, &urgency, &|space| is_visible(tree, view, space), resident).run()
 }
 
 /// The finest surface that the resident patches can be drawn as: every patch splits that can.
@@ -71,93 +81,201 @@ pub fn finest_cut(tree: &PatchTree, resident: &dyn Fn(PatchId) -> bool) -> Cut {
     cut_by(tree, &|_, _| 0.0, resident)
 }
 
-/// The cut in which the patches split whose urgency is below 1.
+/// The cut of the whole planet in which the patches split whose urgency is below 1.
 pub fn cut_by(tree: &PatchTree, urgency: &dyn Fn(PatchId, &PatchNode) -> f64, resident: &dyn Fn(PatchId) -> bool) -> Cut {
-    let mut search = Search {
-        tree,
-        urgency,
-        resident,
-        split: HashSet::new(),
-        refused: HashSet::new(),
-        wanted: Vec::new(),
-        blocked: Vec::new(),
-    };
-    PatchId::roots().for_each(|root| search.refine(root));
-    let mut result = Cut { leaves: Vec::new(), wanted: search.wanted, blocked: search.blocked };
-    PatchId::roots().for_each(|root| collect(root, &search.split, &mut result.leaves));
-    result
+    Search::new(tree, urgency, &|_| true, resident).run()
 }
 
-/// Distance over the distance at which a patch of a level splits, the smaller of the two for closure's sake and for that of what is
-/// seen of it: below 1 it splits.
+/// Distance over the distance at which a patch of a level splits, the smallest of those for closure's sake, for its texture's and for the
+/// detail of its quarters, as far as they are seen: below 1 it splits.
 pub fn urgency(tree: &PatchTree, view: &View, level: u8, node: &PatchNode) -> f64 {
-    let (nearest, outside) = nearest_and_outside(view, &node.bounds);
+    let (nearest, outside) = nearest_and_outside(view, &node.space.bounds);
     let closure = (nearest + view.falloff * outside) / (view.scale * node.closure_wake);
-    let finest_at = (view.scale * node.detail_wake).max(texture_distance(tree, view, level));
-    let seen = (nearest + SEEN_FALLOFF * outside) / finest_at;
-    if seen < 1.0 && below_horizon(tree, view, node) {
+    let texture = (nearest + SEEN_FALLOFF * outside) / texture_distance(tree, view, level);
+    let detail = |quarter: &QuarterNode| {
+        let (nearest, outside) = nearest_and_outside(view, &quarter.space.bounds);
+        let detail = (nearest + SEEN_FALLOFF * outside) / (view.scale * quarter.detail_wake);
+        if detail < 1.0 && below_horizon(tree, view, &quarter.space) {
+            f64::INFINITY
+        } else {
+            detail
+        }
+    };
+    let seen = node.quarters.iter().map(detail).fold(texture, f64::min);
+    if seen < 1.0 && below_horizon(tree, view, &node.space) {
         return closure;
     }
     closure.min(seen)
 }
 
+/// Finds the ideal cut, then the nearest to it that can be drawn.
+///
+/// A set of patches that split can be drawn if the parent of each splits too; if across every side the neighbour's parent does (2:1); and
+/// if every child that does not split is resident. What is out of sight counts for none of this. Where two sets can be drawn, so can both
+/// together: so there is one largest set within the ideal one, whatever order it is looked for in.
 struct Search<'a> {
     tree: &'a PatchTree,
     urgency: &'a dyn Fn(PatchId, &PatchNode) -> f64,
+    seen: &'a dyn Fn(&Space) -> bool,
     resident: &'a dyn Fn(PatchId) -> bool,
-    split: HashSet<PatchId>,
-    refused: HashSet<PatchId>,
-    wanted: Vec<(PatchId, f64)>,
-    blocked: Vec<PatchId>,
+    in_sight: HashMap<PatchId, bool>,
+    /// Patches that split, and how urgently.
+    split: HashMap<PatchId, f64>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn new(
+        tree: &'a PatchTree,
+        urgency: &'a dyn Fn(PatchId, &PatchNode) -> f64,
+        seen: &'a dyn Fn(&Space) -> bool,
+        resident: &'a dyn Fn(PatchId) -> bool,
+    ) -> Search<'a> {
+        Search { tree, urgency, seen, resident, in_sight: HashMap::new(), split: HashMap::new() }
+    }
+
+    fn run(mut self) -> Cut {
+        let mut cut = Cut::default();
+        PatchId::roots().for_each(|root| self.refine(root));
+        self.drop_unsupported(&|search, id| search.may_split_beside(id));
+        PatchId::roots().for_each(|root| self.list_ideal(root, 0.0, &mut cut));
+        if !cut.wanted.is_empty() {
+            cut.wanted.iter().for_each(|&(id, urgency)| self.stand_in(id, urgency));
+            self.drop_unsupported(&|search, id| search.has_neighbours(id) && search.is_covered(id));
+        }
+        PatchId::roots().for_each(|root| self.collect(root, &mut cut.leaves));
+        cut
+    }
+
+    /// Whether any of a patch is in sight, as far as its parent knows.
+    fn is_in_sight(&mut self, id: PatchId) -> bool {
+        if let Some(&known) = self.in_sight.get(&id) {
+            return known;
+        }
+        let seen = match id.parent() {
+            None => self.tree.get(id).is_none_or(|node| (self.seen)(&node.space)),
+            Some(parent) => {
+                let quarter = (id.x % 2 + 2 * (id.y % 2)) as usize;
+                let node = self.tree.get(parent);
+                self.is_in_sight(parent) && node.is_none_or(|node| (self.seen)(&node.quarters[quarter].space))
+            }
+        };
+        self.in_sight.insert(id, seen);
+        seen
+    }
+
+    fn children_in_sight(&mut self, id: PatchId) -> impl Iterator<Item = PatchId> + use<> {
+        let children = id.children().unwrap_or([id; 4]);
+        let seen = children.map(|child| child != id && self.is_in_sight(child));
+        children.into_iter().zip(seen).filter_map(|(child, seen)| seen.then_some(child))
+    }
+
+    /// Parents of a patch's neighbours, as far as they are in sight: for balance, they split if the patch does.
+    fn neighbours_parents(&mut self, id: PatchId) -> impl Iterator<Item = PatchId> + use<> {
+        let parents = Side::ALL.map(|side| id.neighbour(side).parent().filter(|&parent| self.is_in_sight(parent)));
+        parents.into_iter().flatten()
+    }
+
+    fn can_split(&mut self, id: PatchId) -> bool {
+        let tree = self.tree;
+        tree.get(id).is_some() && tree.can_split_into(id, &mut |child| self.is_in_sight(child))
+    }
+
+    /// Splits what a view wants split, and what balance then asks for.
     fn refine(&mut self, id: PatchId) {
-        let Some(node) = self.tree.get(id).filter(|_| self.tree.can_split(id)) else { return };
+        let Some(node) = self.tree.get(id).filter(|_| self.is_in_sight(id)) else { return };
         let urgency = (self.urgency)(id, node);
-        if urgency < 1.0 && self.ensure_split(id, urgency) {
-            id.children().into_iter().flatten().for_each(|child| self.refine(child));
+        if urgency < 1.0 && self.can_split(id) {
+            self.split_balanced(id, urgency);
+            self.children_in_sight(id).for_each(|child| self.refine(child));
         }
     }
 
-    /// Splits a patch and whatever coarser neighbours balance asks for; false if some children are not resident.
-    fn ensure_split(&mut self, id: PatchId, urgency: f64) -> bool {
-        if self.split.contains(&id) {
-            return true;
+    fn split_balanced(&mut self, id: PatchId, urgency: f64) {
+        if self.split.contains_key(&id) || !self.can_split(id) {
+            return;
         }
-        if self.refused.contains(&id) {
-            return false;
-        }
-        let possible = self.tree.get(id).is_some() && self.tree.can_split(id);
-        let ready = possible && id.children().into_iter().flatten().all(self.resident);
-        if possible && !ready {
-            self.wanted.push((id, urgency));
-        }
-        // Every neighbour of this level must exist, even if this one cannot split yet: its data is wanted all the same.
-        let mut balanced = true;
-        for parent in Side::ALL.into_iter().filter_map(|side| id.neighbour(side).parent()) {
-            balanced &= self.ensure_split(parent, urgency);
-        }
-        if ready && balanced {
-            self.split.insert(id);
-        } else {
-            self.refused.insert(id);
-            if ready {
-                self.blocked.push(id);
+        self.split.insert(id, urgency);
+        self.neighbours_parents(id).for_each(|parent| self.split_balanced(parent, urgency));
+    }
+
+    /// Where a wanted patch is not resident but all its children are, they stand in for it.
+    fn stand_in(&mut self, id: PatchId, urgency: f64) {
+        if self.could_stand_in(id) {
+            self.split_balanced(id, urgency);
+            for child in self.children_in_sight(id) {
+                if !(self.resident)(child) {
+                    self.stand_in(child, urgency);
+                }
             }
         }
-        ready && balanced
     }
-}
 
-fn collect(id: PatchId, split: &HashSet<PatchId>, leaves: &mut Vec<Leaf>) {
-    if split.contains(&id) {
-        id.children().into_iter().flatten().for_each(|child| collect(child, split, leaves));
-        return;
+    fn could_stand_in(&mut self, id: PatchId) -> bool {
+        self.can_split(id) && self.children_in_sight(id).all(|child| (self.resident)(child) || self.could_stand_in(child))
     }
-    let coarser = |side: &Side| id.on_parent_boundary(*side) && id.neighbour(*side).parent().is_some_and(|p| !split.contains(&p));
-    let coarser_sides = Side::ALL.iter().filter(|s| coarser(s)).fold(0, |bits, side| bits | side.bit());
-    leaves.push(Leaf { id, coarser_sides });
+
+    /// Whether balance lets a patch split, or may do so once more is known.
+    fn may_split_beside(&mut self, id: PatchId) -> bool {
+        let unknown = |search: &Search, parent: PatchId| search.tree.get(parent).is_none();
+        self.has_parent(id) && self.neighbours_parents(id).all(|p| self.split.contains_key(&p) || unknown(self, p))
+    }
+
+    fn has_parent(&self, id: PatchId) -> bool {
+        id.parent().is_none_or(|parent| self.split.contains_key(&parent))
+    }
+
+    fn has_neighbours(&mut self, id: PatchId) -> bool {
+        self.has_parent(id) && self.neighbours_parents(id).all(|parent| self.split.contains_key(&parent))
+    }
+
+    /// Whether all that replaces a patch can be drawn.
+    fn is_covered(&mut self, id: PatchId) -> bool {
+        self.children_in_sight(id).all(|child| self.split.contains_key(&child) || (self.resident)(child))
+    }
+
+    /// Lets patches go from the split set until a condition holds for all that are left.
+    fn drop_unsupported(&mut self, holds: &dyn Fn(&mut Self, PatchId) -> bool) {
+        let mut doubtful: Vec<PatchId> = self.split.keys().copied().collect();
+        while let Some(id) = doubtful.pop() {
+            if self.split.contains_key(&id) && !holds(self, id) {
+                self.split.remove(&id);
+                let around = Side::ALL.into_iter().map(|side| id.neighbour(side)).chain([id]);
+                doubtful.extend(around.filter_map(PatchId::children).flatten());
+                doubtful.extend(id.parent());
+            }
+        }
+    }
+
+    fn list_ideal(&mut self, id: PatchId, urgency: f64, cut: &mut Cut) {
+        if !self.is_in_sight(id) {
+            return;
+        }
+        if let Some(&own) = self.split.get(&id) {
+            cut.above.push((id, urgency));
+            self.children_in_sight(id).for_each(|child| self.list_ideal(child, own, cut));
+            return;
+        }
+        cut.ideal.push(id);
+        if !(self.resident)(id) {
+            cut.wanted.push((id, urgency));
+        }
+    }
+
+    fn collect(&mut self, id: PatchId, leaves: &mut Vec<Leaf>) {
+        if !self.is_in_sight(id) {
+            return;
+        }
+        if self.split.contains_key(&id) {
+            self.children_in_sight(id).for_each(|child| self.collect(child, leaves));
+            return;
+        }
+        let mut coarser = |side: Side| {
+            let parent = id.neighbour(side).parent().filter(|_| id.on_parent_boundary(side));
+            parent.is_some_and(|parent| self.is_in_sight(parent) && !self.split.contains_key(&parent))
+        };
+        let coarser_sides = Side::ALL.into_iter().filter(|&side| coarser(side)).fold(0, |bits, side| bits | side.bit());
+        leaves.push(Leaf { id, coarser_sides });
+    }
 }
 
 /// Whether a drawn patch lies at the rim of the stored data: next to a coarser patch that has no children to split into. There
@@ -173,20 +291,20 @@ pub fn sides_beside(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> u8 {
     drawn_coarser.filter(holds).fold(0, |bits, side| bits | side.bit())
 }
 
-/// Whether any of a patch can be seen: inside the frustum, and not wholly behind the ball that hides what is behind it.
-pub fn is_visible(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
-    nearest_and_outside(view, &node.bounds).1 <= 0.0 && !below_horizon(tree, view, node)
+/// Whether any of what is in a space can be seen: inside the frustum, and not wholly behind the ball that hides what is behind it.
+pub fn is_visible(tree: &PatchTree, view: &View, space: &Space) -> bool {
+    nearest_and_outside(view, &space.bounds).1 <= 0.0 && !below_horizon(tree, view, space)
 }
 
-/// Whether the ball that hides what is behind it hides a whole patch.
-fn below_horizon(tree: &PatchTree, view: &View, node: &PatchNode) -> bool {
+/// Whether the ball that hides what is behind it hides all of a space.
+fn below_horizon(tree: &PatchTree, view: &View, space: &Space) -> bool {
     let (ball, distance) = (tree.hidden_radius, view.eye.length());
     if !view.horizon || distance <= ball {
         return false;
     }
-    let towards = (view.eye.dot(node.centre) / distance).clamp(-1.0, 1.0).acos();
-    let nearest = towards - node.spread.min(1.0).acos() - 1e-9;
-    let [lowest, highest] = node.heights.map(|height| tree.lattice.radius + f64::from(height));
+    let towards = (view.eye.dot(space.centre) / distance).clamp(-1.0, 1.0).acos();
+    let nearest = towards - space.spread.min(1.0).acos() - 1e-9;
+    let [lowest, highest] = space.heights.map(|height| tree.lattice.radius + f64::from(height));
     // What lies below the ball, under the sea, is hidden where it faces away; what rises above it, where lines to it touch the ball.
     let sunk = (ball.min(lowest) / distance).max(-1.0).acos();
     let risen = if highest > ball { (ball / distance).acos() + (ball / highest).acos() } else { 0.0 };

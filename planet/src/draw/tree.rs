@@ -3,7 +3,7 @@
 use crate::globe::lattice::{Lattice, LatticeBox};
 use crate::globe::patch::{PatchId, MAX_LEVEL};
 use crate::mesh::certificate::{DEVIATION_BELOW, DEVIATION_SHARE, KAPPA};
-use crate::mesh::progressive::PatchFacts;
+use crate::mesh::progressive::{PatchFacts, Quarter};
 use crate::mesh::wake::MORPH_REACH;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -11,33 +11,80 @@ use std::collections::HashMap;
 /// A known patch within its quadtree: what follows from its own facts alone, whatever is known below it.
 #[derive(Clone, Copy, Debug)]
 pub struct PatchNode {
-    /// Box around its own vertices and those of whatever finer patches there may be.
-    pub bounds: LatticeBox,
-    /// Lowest and highest of all these vertices, lattice units above the datum.
-    pub heights: [i32; 2],
-    /// A viewer nearer to `bounds` than this times the view's scale needs the children, seen or not: vertices that only they have are
-    /// awake on the patch's sides, where seen patches may lie.
+    /// Where its own vertices are, and those of whatever finer patches there may be.
+    pub space: Space,
+    /// A viewer nearer to its bounds than this times the view's scale needs the children: vertices that only they have are awake on the
+    /// patch's sides.
     pub closure_wake: f64,
-    /// A viewer nearer than this times the view's scale needs them if the patch is seen: they deviate from its grid by more than their share of the tolerance.
+    /// Its quarters, in the order of [`PatchId::children`].
+    pub quarters: [QuarterNode; 4],
+}
+
+/// A quarter of a known patch: what is known of a child before the child is.
+#[derive(Clone, Copy, Debug)]
+pub struct QuarterNode {
+    /// Where the child's vertices are, and those of whatever finer patches there may be.
+    pub space: Space,
+    /// A viewer nearer to the quarter than this times the view's scale needs the children if it is seen: they deviate from the patch's grid
+    /// by more than their share of the tolerance.
     pub detail_wake: f64,
-    /// Direction of its middle.
+}
+
+/// Where the ground of a patch may be, all finer levels included.
+#[derive(Clone, Copy, Debug)]
+pub struct Space {
+    /// A box around it.
+    pub bounds: LatticeBox,
+    /// Lowest and highest of it, lattice units above the datum.
+    pub heights: [i32; 2],
+    /// Direction of the patch's middle.
     pub centre: DVec3,
     /// Cosine of the angle between its middle and its farthest corner.
     pub spread: f64,
 }
 
-impl PatchNode {
-    fn new(id: PatchId, own: &PatchFacts) -> PatchNode {
+impl Space {
+    /// Around samples of a patch between two heights, from which finer levels deviate by so much more than the next one does.
+    fn new(id: PatchId, heights: [i32; 2], deviation: f64, bounds: impl FnOnce(&Space) -> LatticeBox) -> Space {
         let centre = id.centre();
-        let corner = |a: i32, b: i32| crate::globe::sphere::direction(id.point(a, b, 1)).dot(centre);
-        let margin = (DEVIATION_BELOW * own.deviation).ceil() as i32;
+        let spread = corners(id).into_iter().map(|corner| corner.dot(centre)).fold(1.0, f64::min);
+        let margin = (DEVIATION_BELOW * deviation).ceil() as i32;
+        let mut space = Space { bounds: LatticeBox::EMPTY, heights, centre, spread };
+        space.bounds = bounds(&space).widened(margin);
+        space.heights = [heights[0].saturating_sub(margin), heights[1].saturating_add(margin)];
+        space
+    }
+}
+
+/// Directions of a patch's corners.
+fn corners(id: PatchId) -> [DVec3; 4] {
+    [(0, 0), (1, 0), (0, 1), (1, 1)].map(|(a, b)| crate::globe::sphere::direction(id.point(a, b, 1)))
+}
+
+/// A box around all of a patch's ground between its two heights. Between its corners the sphere bulges out of their hull by at most what
+/// it does over the whole cone, on either side.
+fn box_between(lattice: &Lattice, id: PatchId, space: &Space) -> LatticeBox {
+    let [low, high] = space.heights.map(|height| lattice.radius + f64::from(height));
+    let mut bounds = LatticeBox::EMPTY;
+    for corner in corners(id) {
+        [low, high].into_iter().for_each(|radius| bounds.include((corner * radius).round().as_ivec3()));
+    }
+    bounds.widened((2.0 * high * (1.0 - space.spread)).ceil() as i32 + 1)
+}
+
+impl PatchNode {
+    fn new(lattice: &Lattice, id: PatchId, own: &PatchFacts) -> PatchNode {
+        // At the finest level, where nothing splits, the patch stands for its quarters.
+        let children = id.children().unwrap_or([id; 4]);
+        let quarter = |k: usize| {
+            let Quarter { heights, deviation } = own.quarters[k];
+            let space = Space::new(children[k], heights, deviation, |space| box_between(lattice, children[k], space));
+            QuarterNode { space, detail_wake: deviation / (DEVIATION_SHARE * KAPPA) }
+        };
         PatchNode {
-            bounds: own.bounds.widened(margin),
-            heights: [own.heights[0].saturating_sub(margin), own.heights[1].saturating_add(margin)],
+            space: Space::new(id, own.heights, own.deviation(), |_| own.bounds),
             closure_wake: MORPH_REACH * own.child_wake,
-            detail_wake: own.deviation / (DEVIATION_SHARE * KAPPA),
-            centre,
-            spread: [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)].into_iter().fold(1.0, f64::min),
+            quarters: std::array::from_fn(quarter),
         }
     }
 }
@@ -72,9 +119,19 @@ impl PatchTree {
         self
     }
 
+    /// The same planet's tree without any patch.
+    pub fn emptied(&self) -> PatchTree {
+        PatchTree { nodes: HashMap::new(), ..*self }
+    }
+
+    /// What would be known of a patch with these facts.
+    pub fn node(&self, id: PatchId, facts: &PatchFacts) -> PatchNode {
+        PatchNode::new(&self.lattice, id, facts)
+    }
+
     /// Adds a patch.
     pub fn insert(&mut self, id: PatchId, facts: &PatchFacts) {
-        self.nodes.insert(id, PatchNode::new(id, facts));
+        self.nodes.insert(id, self.node(id, facts));
     }
 
     /// Forgets a patch that can be built again.
@@ -86,7 +143,12 @@ impl PatchTree {
 
     /// Whether a patch can give way to its children: they are all known, or can be built.
     pub fn can_split(&self, id: PatchId) -> bool {
-        let known = || id.children().is_some_and(|ids| ids.iter().all(|child| self.nodes.contains_key(child)));
+        self.can_split_into(id, &mut |_| true)
+    }
+
+    /// Whether a patch can give way to those of its children that count.
+    pub(crate) fn can_split_into(&self, id: PatchId, counts: &mut dyn FnMut(PatchId) -> bool) -> bool {
+        let mut known = || id.children().is_some_and(|ids| ids.into_iter().all(|c| self.nodes.contains_key(&c) || !counts(c)));
         self.finest_built.is_some_and(|level| id.level < level) || known()
     }
 

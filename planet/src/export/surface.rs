@@ -74,7 +74,7 @@ pub fn view_surface<E>(
     let view = if whole { view.without_culling() } else { *view }.without_geomorphs();
     let mut surface = Welded::default();
     for leaf in cut(tree, &view, &|_| true).leaves {
-        if whole || tree.get(leaf.id).is_some_and(|node| is_visible(tree, &view, node)) {
+        if whole || tree.get(leaf.id).is_some_and(|node| is_visible(tree, &view, &node.space)) {
             let patch = load(leaf.id)?;
             surface.add(&patch.vertices, &drawn(&view, &leaf, &patch));
         }

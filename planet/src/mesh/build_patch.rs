@@ -2,14 +2,14 @@
 
 use super::builder::Faults;
 use super::progressive::PatchMesh;
+use super::survey::Survey;
 use crate::globe::patch::PatchId;
 use crate::ground::texture::PatchTexture;
-use crate::ground::{Ground, GroundColour, HeightGrid};
+use crate::ground::{Ground, GroundColour};
 
 /// Samples, builds and textures one patch.
 pub fn build_patch(ground: &Ground, colour: &dyn GroundColour, id: PatchId) -> (PatchMesh, PatchTexture, Faults) {
-    let grid = HeightGrid::sample(ground, id);
-    let (mesh, faults) = PatchMesh::build(ground, id, &grid);
-    let texture = PatchTexture::new(ground, colour, id, &grid);
-    (mesh, texture, faults)
+    let survey = Survey::new(ground, id);
+    let (mesh, faults) = survey.mesh(ground);
+    (mesh, survey.texture(ground, colour), faults)
 }

@@ -3,7 +3,8 @@
 //!
 //! Reading order: [`wake`] and [`certificate`] (what is promised), [`border`] (canonical wakes and targets of border lines),
 //! [`surface`] (the gnomonic plane and the radial error), [`border_rules`], [`guard`] (what interior collapses beside a border must leave
-//! possible), [`builder`], [`progressive`] (the finished mesh), [`build_patch`] (all of it for one patch).
+//! possible), [`builder`], [`progressive`] (the finished mesh), [`survey`] (a patch before it is built), [`build_patch`] (all of it for one
+//! patch).
 
 pub mod border;
 pub mod border_rules;
@@ -13,6 +14,7 @@ pub mod certificate;
 pub mod guard;
 pub mod progressive;
 pub mod surface;
+pub mod survey;
 pub mod wake;
 
 pub use build_patch::build_patch;

@@ -5,6 +5,7 @@
 //! function on every triangle. So containment is a 2D orientation, radial interpolation is one affine evaluation, and
 //! the sides of a patch are exactly straight.
 
+use super::progressive::Quarter;
 use crate::globe::lattice::LatticeBox;
 use crate::ground::{Ground, HeightGrid, GUTTER};
 use glam::IVec3;
@@ -25,8 +26,8 @@ pub struct Surface {
     pub radius: f64,
     /// Box around the positions.
     pub bounds: LatticeBox,
-    /// Largest radial distance in lattice units of the half-cell samples (the next level's) from the full grid.
-    pub deviation: f64,
+    /// The half-cell samples (the next level's) of every quarter, and their distance from the full grid.
+    pub quarters: [Quarter; 4],
 }
 
 impl Surface {
@@ -43,10 +44,10 @@ impl Surface {
             heights: points.map(|(a, b)| grid.height(a, b)).collect(),
             radius: ground.lattice.radius,
             bounds: LatticeBox::EMPTY,
-            deviation: 0.0,
+            quarters: [Quarter { heights: [i32::MAX, i32::MIN], deviation: super::border::ROUNDING }; 4],
         };
         surface.positions.iter().for_each(|&p| surface.bounds.include(p));
-        surface.deviation = surface.half_cell_deviation(&plane) + super::border::ROUNDING;
+        surface.measure_quarters(&plane);
         surface
     }
 
@@ -80,25 +81,41 @@ impl Surface {
         (depth - own).abs() * self.distance_from_centre(v) / depth
     }
 
-    fn half_cell_deviation(&self, plane: &GnomonicPlane) -> f64 {
+    /// Measures the half-cell samples, quarter by quarter; those on the middle lines belong to both sides.
+    fn measure_quarters(&mut self, plane: &GnomonicPlane) {
+        let half = self.cells as i32 / 2;
+        for (k, [column, row]) in [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[x, y]| [x * half, y * half]).into_iter().enumerate() {
+            let heights = (2 * row..=2 * (row + half)).map(|b| {
+                let first = plane.grid.index(2 * column, b);
+                let run = &plane.grid.heights[first..=first + 2 * half as usize];
+                run.iter().fold([i32::MAX, i32::MIN], |[low, high], &h| [low.min(h), high.max(h)])
+            });
+            self.quarters[k].heights = heights.fold([i32::MAX, i32::MIN], |all, row| [all[0].min(row[0]), all[1].max(row[1])]);
+            self.quarters[k].deviation += self.deviation_in(plane, [column, row], half);
+        }
+    }
+
+    /// Largest radial distance of the half-cell samples from the full grid, in a square of so many cells from a cell on.
+    fn deviation_in(&self, plane: &GnomonicPlane, [column, row]: [i32; 2], cells: i32) -> f64 {
         let n = self.cells as i32;
         let at = |i: i32, j: i32| self.samples.at((j * (n + 1) + i) as u32);
         let error = |sample: &Sample, depth: f64, a: i32, b: i32| (depth - sample.q).abs() * plane.distance(a, b) / depth;
+        let (right, top) = (column + cells, row + cells);
         let mut worst = 0.0f64;
-        for (i, j) in (0..=n).flat_map(|j| (0..=n).map(move |i| (i, j))) {
+        for (i, j) in (row..=top).flat_map(|j| (column..=right).map(move |i| (i, j))) {
             let corner = at(i, j);
             // Half-cell samples on grid lines lie on edges of triangles; only those inside cells need their triangle.
-            if i < n {
+            if i < right {
                 let (sample, end) = (plane.sample(2 * i + 1, 2 * j), at(i + 1, j));
                 let depth = corner.q + (end.q - corner.q) * ((sample.x - corner.x) / (end.x - corner.x));
                 worst = worst.max(error(&sample, depth, 2 * i + 1, 2 * j));
             }
-            if j < n {
+            if j < top {
                 let (sample, end) = (plane.sample(2 * i, 2 * j + 1), at(i, j + 1));
                 let depth = corner.q + (end.q - corner.q) * ((sample.y - corner.y) / (end.y - corner.y));
                 worst = worst.max(error(&sample, depth, 2 * i, 2 * j + 1));
             }
-            if i < n && j < n {
+            if i < right && j < top {
                 let sample = plane.sample(2 * i + 1, 2 * j + 1);
                 worst = worst.max(error(&sample, self.grid_depth(&sample, i, j), 2 * i + 1, 2 * j + 1));
             }

@@ -14,6 +14,7 @@ use crate::ground::{Elevation, Ground, GroundColour, GroundPoint};
 use crate::mesh::build_patch;
 use crate::mesh::builder::Faults;
 use crate::mesh::progressive::{PatchFacts, PatchMesh};
+use crate::mesh::survey::Survey;
 use crate::recipe::{Edit, Recipe, RecipeError};
 use crate::store::PlanetHeader;
 use crate::terrain::Terrain;
@@ -164,6 +165,11 @@ impl Planet {
     /// Terrain on the lattice.
     pub fn ground(&self) -> Ground<'_> {
         Ground { elevation: &self.terrain, lattice: self.lattice, cells: self.cells }
+    }
+
+    /// Samples a patch: what is known of it before it is built.
+    pub fn survey(&self, id: PatchId) -> Survey {
+        Survey::new(&self.ground(), id)
     }
 
     /// Builds a patch: the same bytes as in any planet file of this recipe and grid.

@@ -216,7 +216,7 @@ fn vertices(streams: &[Vec<u32>], cells: u32) -> Result<Vec<Vertex>, RecordError
 mod tests {
     use super::*;
     use crate::globe::lattice::LatticeBox;
-    use crate::mesh::progressive::PatchFacts;
+    use crate::mesh::progressive::{PatchFacts, Quarter};
     use glam::IVec3;
 
     /// A mesh that satisfies every rule: all vertices are asleep but the first, which is the parent of all.
@@ -232,8 +232,8 @@ mod tests {
             facts: PatchFacts {
                 bounds: LatticeBox { low: IVec3::splat(-5), high: IVec3::splat(5) },
                 heights: [-7, -7],
-                deviation: 0.5,
                 child_wake: f64::INFINITY,
+                quarters: [Quarter { heights: [-7, -7], deviation: 0.5 }; 4],
             },
         }
     }
@@ -277,7 +277,7 @@ mod tests {
             |m| m.vertices[4].parent = 9,
             |m| m.vertices[4].grid = 5,
             |m| m.vertices[4].wake = Wake::ALWAYS,
-            |m| m.facts.deviation = f64::NAN,
+            |m| m.facts.quarters[2].deviation = f64::NAN,
             |m| m.facts.heights = [0, 0],
             |m| m.facts.bounds = LatticeBox::EMPTY,
             |m| m.cells = 16,

@@ -8,7 +8,7 @@ use crate::globe::patch::PatchId;
 use crate::globe::sphere::Face;
 
 /// Version of the records that this program writes and reads.
-pub const RECORD_VERSION: u16 = 1;
+pub const RECORD_VERSION: u16 = 2;
 
 /// Compression level of every stream. Fixed: a patch has the same bytes wherever it is baked. Residuals repeat nothing, so that
 /// searching longer for repetitions (level 9) saves nothing either.

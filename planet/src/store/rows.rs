@@ -8,7 +8,7 @@ use rusqlite::{params, params_from_iter, Connection, Row, ToSql};
 
 /// Columns that [`read`] reads, in its order.
 pub(super) const COLUMNS: &str = "key, face, level, x, y, low_x, low_y, low_z, high_x, high_y, high_z, lowest, highest, \
-     deviation, child_wake, always_awake, checksum, length(geometry), length(texture)";
+     child_wake, quarters, always_awake, checksum, length(geometry), length(texture)";
 
 /// Where the facts begin among them, and what follows the facts.
 const FACTS_AT: usize = 5;

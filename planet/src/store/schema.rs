@@ -9,7 +9,7 @@ use std::path::Path;
 pub const APPLICATION_ID: u32 = 0x5445_5252;
 
 /// SQLite user version of planet files: tables, records and the builder's rules together.
-pub const FORMAT_VERSION: u32 = 4;
+pub const FORMAT_VERSION: u32 = 5;
 
 /// `cached` names the patches that were built while flying and may go again; the others were baked to stay.
 ///
@@ -29,7 +29,7 @@ CREATE TABLE patch (
     key INTEGER PRIMARY KEY, face INTEGER NOT NULL, level INTEGER NOT NULL, x INTEGER NOT NULL, y INTEGER NOT NULL,
     low_x INTEGER NOT NULL, low_y INTEGER NOT NULL, low_z INTEGER NOT NULL,
     high_x INTEGER NOT NULL, high_y INTEGER NOT NULL, high_z INTEGER NOT NULL,
-    lowest INTEGER NOT NULL, highest INTEGER NOT NULL, deviation REAL NOT NULL, child_wake REAL NOT NULL,
+    lowest INTEGER NOT NULL, highest INTEGER NOT NULL, child_wake REAL NOT NULL, quarters BLOB NOT NULL,
     always_awake INTEGER NOT NULL, checksum INTEGER NOT NULL, geometry BLOB NOT NULL, texture BLOB NOT NULL);
 CREATE TABLE cached (key INTEGER PRIMARY KEY, used INTEGER NOT NULL, bytes INTEGER NOT NULL);
 INSERT INTO tally VALUES (0, 0);

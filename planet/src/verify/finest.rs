@@ -69,7 +69,7 @@ impl<'a> FinestSurface<'a> {
     /// The surface over the patches that `resident` names.
     pub fn new(tree: &PatchTree, resident: &dyn Fn(PatchId) -> bool, grids: &'a GridCache) -> FinestSurface<'a> {
         let leaves: Vec<PatchId> = finest_cut(tree, resident).leaves.iter().map(|leaf| leaf.id).collect();
-        let bounds = |&id: &PatchId| tree.get(id).map_or(LatticeBox::EMPTY, |node| node.bounds);
+        let bounds = |&id: &PatchId| tree.get(id).map_or(LatticeBox::EMPTY, |node| node.space.bounds);
         let boxes: Vec<LatticeBox> = leaves.iter().map(bounds).collect();
         FinestSurface { known: leaves.iter().copied().collect(), boxes: BoxTree::new(&boxes), leaves, grids }
     }

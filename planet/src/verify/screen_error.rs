@@ -94,7 +94,7 @@ pub fn measure(
 ) -> Result<ScreenError, StoreError> {
     let surfaces: Vec<_> = drawn.par_iter().map(|d| PatchSurface::of_drawn(d.vertices, d.drawn_positions, d.triangles)).collect();
     let boxes: Vec<LatticeBox> = surfaces.iter().map(|surface| surface.bounds).collect();
-    let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, node));
+    let seen = |d: &Drawn| tree.get(d.leaf.id).is_none_or(|node| is_visible(tree, view, &node.space));
     let rim_sides = |d: &Drawn| sides_beside(&d.leaf, is_missing).into();
     let judge = Judge {
         view,

@@ -155,7 +155,7 @@ impl Walk<'_, '_, '_> {
             return true;
         }
         let tree = &self.setting.tree;
-        tree.get(self.tree.samples(tree.cells, id).patch).is_some_and(|node| !is_visible(tree, self.view, node))
+        tree.get(self.tree.samples(tree.cells, id).patch).is_some_and(|node| !is_visible(tree, self.view, &node.space))
     }
 
     /// Draws a square of a node's cells.

@@ -84,12 +84,12 @@ impl Setting {
         let mut leaves = match rule {
             CutRule::AsDrawn => cut(&self.tree, view, &stored),
             CutRule::Detail => {
-                let urgency = |_, node: &PatchNode| distance_to_box(view, &node.bounds) / (view.scale * node.detail_wake);
+                let urgency = |_, node: &PatchNode| distance_to_box(view, &node.space.bounds) / (view.scale * node.detail_wake);
                 cut_by(&self.tree, &urgency, &stored)
             }
         }
         .leaves;
-        leaves.retain(|leaf| self.tree.get(leaf.id).is_some_and(|node| is_visible(&self.tree, view, node)));
+        leaves.retain(|leaf| self.tree.get(leaf.id).is_some_and(|node| is_visible(&self.tree, view, &node.space)));
         leaves
     }
 }

@@ -6,5 +6,5 @@ pub mod patch_mesh;
 pub mod replay;
 
 pub use index_levels::{IndexLevel, IndexLevels};
-pub use patch_facts::PatchFacts;
+pub use patch_facts::{PatchFacts, Quarter};
 pub use patch_mesh::{PatchMesh, Vertex};

@@ -50,17 +50,14 @@ impl PatchMesh {
     /// Builds a patch from its height samples. A pure function of terrain and patch id.
     pub fn build(ground: &Ground, id: PatchId, grid: &HeightGrid) -> (PatchMesh, Faults) {
         let surface = Surface::new(ground, grid);
+        PatchMesh::of_surface(ground, id, &surface, facts(ground, id, &surface))
+    }
+
+    /// Builds a patch whose surface and facts are known.
+    pub fn of_surface(ground: &Ground, id: PatchId, surface: &Surface, facts: PatchFacts) -> (PatchMesh, Faults) {
         let rules = BorderRules::new(ground, id, KAPPA_BUILD);
-        let hierarchy = build(&surface, rules, KAPPA_BUILD);
-        let vertices = in_wake_order(&surface, &hierarchy);
-        let low = surface.heights.iter().copied().min().unwrap_or(0);
-        let high = surface.heights.iter().copied().max().unwrap_or(0);
-        let facts = PatchFacts {
-            bounds: surface.bounds,
-            heights: [low, high],
-            deviation: surface.deviation,
-            child_wake: child_wake(ground, id),
-        };
+        let hierarchy = build(surface, rules, KAPPA_BUILD);
+        let vertices = in_wake_order(surface, &hierarchy);
         (PatchMesh { id, cells: ground.cells, vertices, facts }, hierarchy.faults)
     }
 
@@ -68,6 +65,14 @@ impl PatchMesh {
     pub fn always_awake(&self) -> usize {
         self.vertices.iter().take_while(|v| v.largest_wake() == Wake::ALWAYS).count()
     }
+}
+
+/// What is known of a patch from its samples alone.
+pub fn facts(ground: &Ground, id: PatchId, surface: &Surface) -> PatchFacts {
+    let low = surface.heights.iter().copied().min().unwrap_or(0);
+    let high = surface.heights.iter().copied().max().unwrap_or(0);
+    let child_wake = child_wake(ground, id);
+    PatchFacts { bounds: surface.bounds, heights: [low, high], child_wake, quarters: surface.quarters }
 }
 
 /// Largest wake that a vertex of the children has on this patch's sides where this patch has none.

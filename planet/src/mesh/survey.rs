@@ -1,0 +1,42 @@
+//! A patch that was sampled and not built: what is known of it, and what is needed to build and to texture it.
+//!
+//! Whether a view draws a patch or its children follows from its samples, and so do its textures. The collapses, most of the work, are for
+//! patches that are drawn.
+
+use super::builder::Faults;
+use super::progressive::patch_mesh::facts;
+use super::progressive::{PatchFacts, PatchMesh};
+use super::surface::Surface;
+use crate::globe::patch::PatchId;
+use crate::ground::texture::PatchTexture;
+use crate::ground::{Ground, GroundColour, HeightGrid};
+
+/// A sampled patch.
+pub struct Survey {
+    /// Which patch.
+    pub id: PatchId,
+    /// What is known of it.
+    pub facts: PatchFacts,
+    /// Its samples.
+    pub grid: HeightGrid,
+    surface: Surface,
+}
+
+impl Survey {
+    /// Samples a patch. A pure function of terrain and patch id.
+    pub fn new(ground: &Ground, id: PatchId) -> Survey {
+        let grid = HeightGrid::sample(ground, id);
+        let surface = Surface::new(ground, &grid);
+        Survey { id, facts: facts(ground, id, &surface), grid, surface }
+    }
+
+    /// Builds its mesh.
+    pub fn mesh(&self, ground: &Ground) -> (PatchMesh, Faults) {
+        PatchMesh::of_surface(ground, self.id, &self.surface, self.facts)
+    }
+
+    /// Its textures.
+    pub fn texture(&self, ground: &Ground, colour: &dyn GroundColour) -> PatchTexture {
+        PatchTexture::new(ground, colour, self.id, &self.grid)
+    }
+}
