@@ -225,6 +225,6 @@ impl Renderer {
 
 /// Keeps the drawn patches on the GPU until the commands are done.
 fn keep_patches(commands: &mut Commands, scene: &Scene, tables: &FrameTables) {
-    let patches = tables.leaves.iter().filter_map(|leaf| scene.resident(leaf.id));
+    let patches = tables.leaves.iter().filter_map(|leaf| scene.mesh(leaf.id));
     patches.for_each(|patch| commands.keep(patch.buffer()));
 }

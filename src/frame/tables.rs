@@ -3,7 +3,7 @@
 //! In: the cut and the resident patches. Out: [`FrameTables`]. One table-driven dispatch a stage serves all patches: hundreds of
 //! small dispatches would cost more than the work itself (docs/design.md, "Stages on a software renderer").
 
-use crate::scene::{ResidentPatch, Scene};
+use crate::scene::{ResidentMesh, Scene};
 use glam::DVec3;
 use std::ops::Range;
 use terrane_planet::draw::cut::{is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
@@ -45,7 +45,7 @@ impl FrameTables {
     pub fn new(scene: &Scene, view: &View, cut: &Cut, whole: bool) -> FrameTables {
         let mut tables = FrameTables { eye: view.eye, ..FrameTables::default() };
         for leaf in cut.leaves.iter().take(MAX_PATCHES as usize) {
-            let (Some(node), Some(patch)) = (scene.tree().get(leaf.id), scene.resident(leaf.id)) else { continue };
+            let (Some(node), Some(patch)) = (scene.tree().get(leaf.id), scene.mesh(leaf.id)) else { continue };
             if whole || is_visible(scene.tree(), view, &node.space) {
                 tables.add(scene, view, *leaf, patch);
             }
@@ -53,7 +53,7 @@ impl FrameTables {
         tables
     }
 
-    fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, patch: &ResidentPatch) {
+    fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, patch: &ResidentMesh) {
         let work = patch.work(view);
         let parent = leaf.id.parent();
         let metres = |level: u8| texture_distance(scene.tree(), view, level) * scene.tree().lattice.unit;
@@ -69,8 +69,8 @@ impl FrameTables {
             resolve_offset: self.vertices,
             coarser_sides: u32::from(leaf.coarser_sides),
             level: u32::from(leaf.id.level),
-            layer: patch.layer.unwrap_or(0),
-            parent_layer: parent.and_then(|p| scene.resident(p)).and_then(|p| p.layer).unwrap_or(NO_LAYER),
+            layer: scene.layer(leaf.id).unwrap_or(0),
+            parent_layer: parent.and_then(|p| scene.layer(p)).unwrap_or(NO_LAYER),
             quarter: [leaf.id.x % 2, leaf.id.y % 2],
             fade_distance: fade as f32,
             texel_distance: (TEXEL_PIXELS * metres(leaf.id.level)) as f32,

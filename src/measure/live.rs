@@ -152,10 +152,10 @@ impl<'a> LiveFlight<'a> {
 
     /// Reads back the vertices of patches that were not drawn before, and forgets those of patches that are gone.
     fn read_vertices(&mut self, drawn: impl Iterator<Item = PatchId>) -> Result<(), SceneError> {
-        self.vertices.retain(|id, _| self.scene.resident(*id).is_some());
+        self.vertices.retain(|id, _| self.scene.mesh(*id).is_some());
         let row = self.scene.planet().cells as usize + 1;
         for id in drawn {
-            if let (false, Some(patch)) = (self.vertices.contains_key(&id), self.scene.resident(id)) {
+            if let (false, Some(patch)) = (self.vertices.contains_key(&id), self.scene.mesh(id)) {
                 self.vertices.insert(id, download(&self.context, patch.buffer(), row * row)?);
             }
         }

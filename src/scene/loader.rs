@@ -7,36 +7,60 @@ use super::SceneError;
 use std::collections::HashSet;
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 use terrane_planet::draw::loaded_patch::LoadedPatch;
+use terrane_planet::draw::view::View;
 use terrane_planet::globe::patch::PatchId;
+use terrane_planet::mesh::progressive::PatchFacts;
 use terrane_planet::query::PatchGrid;
 use terrane_planet::store::StoreError;
 
 /// Least number of workers: reading and decoding alone keeps two busy.
 const LEAST_WORKERS: usize = 2;
 
+/// How long arrivals are gathered before the cut is chosen anew.
+const MOMENT: Duration = Duration::from_millis(20);
+
 /// Bytes of main memory that a patch under way takes, about: as it is on the GPU, and half as much again while it is read or built.
 pub(super) fn bytes_under_way(cells: u32) -> u64 {
     (bytes_of_patch(cells) + bytes_of_layer(cells)) * 3 / 2
 }
 
-/// A patch ready for upload.
+/// What a worker found out about a patch, and what of it is ready for upload.
 pub(super) struct Loaded {
+    pub(super) id: PatchId,
+    pub(super) facts: PatchFacts,
+    pub(super) mesh: Option<LoadedMesh>,
+    pub(super) texture: Option<LoadedTexture>,
+}
+
+/// A mesh ready for upload.
+pub(super) struct LoadedMesh {
     pub(super) patch: LoadedPatch,
-    pub(super) texture: Option<TextureMips>,
-    pub(super) relief: Option<Relief>,
     pub(super) grid: PatchGrid,
 }
 
+/// Textures ready for upload.
+pub(super) struct LoadedTexture {
+    pub(super) mips: TextureMips,
+    pub(super) relief: Relief,
+}
+
 /// What a worker is asked for.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub(super) enum Request {
-    /// A whole patch.
+    /// To find out what is known of a patch, and to load it whole if the view draws it and not its children.
+    Explore(Arc<View>),
+    /// The whole patch.
     Patch,
-    /// Only its horizon angles and ambient occlusion, for a patch that is on the GPU.
+    /// Its textures only: they show through its children's.
+    Texture,
+    /// Only its horizon angles and ambient occlusion, for a patch whose textures are on the GPU.
     Horizon,
 }
+
+/// A patch, what is asked for of it, and how urgent it is (smaller is more urgent).
+pub(super) type Order = (PatchId, Request, f64);
 
 /// What a worker answers.
 pub(super) enum Response {
@@ -49,7 +73,7 @@ type Arrival = (PatchId, Result<Response, StoreError>);
 #[derive(Default)]
 struct Queue {
     /// Requests that no worker has taken, the most urgent last.
-    requests: Vec<(PatchId, Request, f64)>,
+    requests: Vec<Order>,
     /// Taken by a worker, or arrived and not yet fetched.
     under_way: HashSet<PatchId>,
     closed: bool,
@@ -85,7 +109,7 @@ impl Loader {
     }
 
     /// Replaces the requests (each with its urgency, smaller is more urgent).
-    pub(super) fn request(&self, mut requests: Vec<(PatchId, Request, f64)>) {
+    pub(super) fn request(&self, mut requests: Vec<Order>) {
         let mut queue = self.shared.lock();
         requests.sort_unstable_by(|a, b| b.2.total_cmp(&a.2).then(b.0.cmp(&a.0)));
         requests.dedup_by_key(|request| request.0);
@@ -99,7 +123,8 @@ impl Loader {
         self.arrivals.try_iter().take(most).map(|arrival| self.accept(arrival)).collect()
     }
 
-    /// Waits until something arrives and returns all that has; nothing after `limit`, or if nothing is under way.
+    /// Waits until something arrives and returns all that has, and what arrives while the workers have enough to do for a moment more;
+    /// nothing after `limit`, or if nothing is under way.
     pub(super) fn wait(&self, limit: Duration) -> Result<Vec<Response>, SceneError> {
         let idle = {
             let queue = self.shared.lock();
@@ -111,12 +136,22 @@ impl Loader {
         match self.arrivals.recv_timeout(limit) {
             Ok(first) => {
                 let mut loaded = vec![self.accept(first)?];
+                let end = Instant::now() + MOMENT;
+                while self.queued() > self.workers.len() {
+                    let Ok(next) = self.arrivals.recv_timeout(end.saturating_duration_since(Instant::now())) else { break };
+                    loaded.push(self.accept(next)?);
+                }
                 loaded.extend(self.take(usize::MAX)?);
                 Ok(loaded)
             }
             Err(RecvTimeoutError::Timeout) => Ok(Vec::new()),
             Err(RecvTimeoutError::Disconnected) => Err(SceneError::LoaderStopped),
         }
+    }
+
+    /// Requests that no worker has taken.
+    fn queued(&self) -> usize {
+        self.shared.lock().requests.len()
     }
 
     /// Patches that workers have taken and nobody has fetched.
@@ -181,7 +216,9 @@ impl Worker {
     fn run(self) {
         while let Some((id, request)) = self.shared.next() {
             let response = match request {
+                Request::Explore(view) => self.source.explore(id, &view).map(|loaded| Response::Patch(Box::new(loaded))),
                 Request::Patch => self.source.load(id).map(|loaded| Response::Patch(Box::new(loaded))),
+                Request::Texture => self.source.load_texture(id).map(|loaded| Response::Patch(Box::new(loaded))),
                 Request::Horizon => Ok(Response::Horizon(id, self.source.relief(id))),
             };
             if self.sender.send((id, response)).is_err() {

@@ -15,22 +15,22 @@ mod textures;
 pub use clouds::CloudMaps;
 pub use drawn_ground::DrawnGround;
 pub use keeper::CacheOptions;
-pub use options::{uploads_within, OnDemand, SceneOptions};
-pub use resident::ResidentPatch;
+pub use options::{uploads_within, OnDemand, SceneOptions, Scope};
+pub use resident::{ResidentMesh, ResidentPatch};
 pub use textures::TexturePool;
 
 use crate::vulkan::{Commands, Context, Upload, VulkanError};
 use glam::DVec3;
 use keeper::Keeper;
-use loader::{Loaded, Loader, Request, Response};
+use loader::{Loaded, Loader, Order, Request, Response};
 use options::Budget;
 use source::{Source, Sun, Tally};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
-use terrane_planet::draw::cut::{cut, Cut};
+use terrane_planet::draw::cut::{cut, cut_in_sight, shows_through, Cut};
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
@@ -46,6 +46,14 @@ const UPLOAD_CHUNK: u64 = 8 << 20;
 
 /// Updates for which nothing is asked for after a patch was turned away.
 const PATIENCE: u64 = 60;
+
+/// Patches of which something is known, past which those that nothing needs any more are forgotten.
+const MOST_KNOWN: usize = 100_000;
+
+/// Urgency of textures that show through others', and of what surrounds the picture: after all that is seen of the mesh, the urgency of
+/// which is below 1.
+const AFTER_MESHES: f64 = 1.0;
+const SURROUNDINGS: f64 = 2.0;
 
 /// Why a scene cannot be opened or kept up to date.
 #[derive(Debug, Error)]
@@ -77,6 +85,8 @@ pub enum SceneError {
 pub struct SceneTally {
     /// Patches read from a file.
     pub read: u64,
+    /// Patches sampled, those that were then built included.
+    pub surveyed: u64,
     /// Patches built.
     pub built: u64,
     /// Seconds that building took, all threads together.
@@ -99,6 +109,7 @@ pub struct Scene {
     sun: Arc<RwLock<Sun>>,
     capacity: usize,
     has_textures: bool,
+    scope: Scope,
     frame: u64,
     settled: bool,
     /// The update in which a patch was last turned away, because all resident ones were in use.
@@ -139,6 +150,8 @@ impl Scene {
                 planet: planet.clone(),
                 builds: options.on_demand.is_some(),
                 textures: options.textures,
+                scope: options.scope,
+                tree: tree.emptied(),
                 keeper: keeper.as_ref().and_then(Keeper::handle),
                 tally: tally.clone(),
                 grids: grids.clone(),
@@ -162,6 +175,7 @@ impl Scene {
             sun,
             capacity: capacity as usize,
             has_textures: options.textures,
+            scope: options.scope,
             frame: 0,
             settled: false,
             full_at: None,
@@ -193,12 +207,17 @@ impl Scene {
         &self.tree
     }
 
-    /// A patch on the GPU.
-    pub fn resident(&self, id: PatchId) -> Option<&ResidentPatch> {
-        self.resident.get(&id)
+    /// The mesh of a patch on the GPU.
+    pub fn mesh(&self, id: PatchId) -> Option<&ResidentMesh> {
+        self.resident.get(&id)?.mesh.as_ref()
     }
 
-    /// Number of patches on the GPU.
+    /// Layer of a patch's textures.
+    pub fn layer(&self, id: PatchId) -> Option<u32> {
+        self.resident.get(&id)?.layer
+    }
+
+    /// Number of patches on the GPU, those included of which only the textures are.
     pub fn resident_count(&self) -> usize {
         self.resident.len()
     }
@@ -210,7 +229,7 @@ impl Scene {
 
     /// Bytes that the patches on the GPU take, textures of absent ones included, and the most they may take.
     pub fn gpu_bytes(&self) -> (u64, u64) {
-        let meshes: u64 = self.resident.values().map(|patch| patch.buffer().bytes()).sum();
+        let meshes: u64 = self.resident.values().filter_map(|patch| patch.mesh.as_ref()).map(|mesh| mesh.buffer().bytes()).sum();
         let layers = if self.has_textures { self.capacity as u64 * textures::bytes_of_layer(self.planet.cells) } else { 0 };
         (meshes + layers, self.capacity as u64 * resident::bytes_of_patch(self.planet.cells) + layers)
     }
@@ -231,9 +250,9 @@ impl Scene {
 
     /// How the patches were come by.
     pub fn tally(&self) -> SceneTally {
-        let [read, built, build_us] =
-            [&self.tally.read, &self.tally.built, &self.tally.build_us].map(|n| n.load(Ordering::Relaxed));
-        SceneTally { read, built, build_s: build_us as f64 * 1e-6 }
+        let Tally { read, surveyed, built, build_us } = &*self.tally;
+        let [read, surveyed, built, build_us] = [read, surveyed, built, build_us].map(|n| n.load(Ordering::Relaxed));
+        SceneTally { read, surveyed, built, build_s: build_us as f64 * 1e-6 }
     }
 
     /// Whether the latest cut lacks nothing that could still be had: another picture of the same view would be the same.
@@ -291,14 +310,73 @@ impl Scene {
 
     /// Computes the cut of a view from what is resident, and asks for what it lacks.
     pub fn choose(&mut self, view: &View) -> Cut {
-        let resident = &self.resident;
-        let cut = cut(&self.tree, view, &|id| resident.contains_key(&id));
+        let drawable = |id| self.mesh(id).is_some();
+        let cut = match self.scope {
+            Scope::Whole => cut(&self.tree, view, &drawable),
+            Scope::Still | Scope::Flight => cut_in_sight(&self.tree, view, self.scope == Scope::Flight, &drawable),
+        };
         self.ground.follow(&cut);
-        let stale = self.stale(&cut);
-        self.settled = stale.is_empty() && (cut.wanted.is_empty() || self.full_at.is_some());
+        let (stale, untextured) = (self.stale(&cut), self.untextured(view, &cut));
+        let complete = cut.wanted.is_empty() && untextured.is_empty();
+        self.settled = stale.is_empty() && (complete || self.full_at.is_some());
         self.mark_used(&cut);
-        self.request(&cut, &stale);
+        let mut orders = self.orders(view, &cut, &untextured);
+        if self.scope == Scope::Flight && complete {
+            orders.extend(self.surroundings(view));
+        }
+        // Shape before light.
+        orders.extend(stale.into_iter().map(|id| (id, Request::Horizon, f64::MAX)));
+        self.loader.request(orders);
+        self.forget_unused(&cut);
         cut
+    }
+
+    /// Parents of drawn patches whose textures show through and are not resident.
+    fn untextured(&self, view: &View, cut: &Cut) -> HashSet<PatchId> {
+        let shown = |id: PatchId| {
+            let parent = id.parent().filter(|&parent| self.has_textures && self.layer(parent).is_none())?;
+            let space = &self.tree.get(id)?.space;
+            shows_through(&self.tree, view, parent.level, space).then_some(parent)
+        };
+        cut.leaves.iter().filter_map(|leaf| shown(leaf.id)).collect()
+    }
+
+    /// What the workers are to do for a view.
+    fn orders(&self, view: &View, cut: &Cut, untextured: &HashSet<PatchId>) -> Vec<Order> {
+        // What was just turned away would be again: it is not read and decoded anew for every frame.
+        if self.full_at.is_some_and(|at| self.frame < at + PATIENCE) {
+            return Vec::new();
+        }
+        let snapshot = Arc::new(*view);
+        let order = |&(id, urgency): &(PatchId, f64)| {
+            let known = self.tree.get(id).is_some();
+            (id, if known { Request::Patch } else { Request::Explore(snapshot.clone()) }, urgency)
+        };
+        let mut orders: Vec<Order> = cut.wanted.iter().map(order).collect();
+        if self.scope != Scope::Still {
+            // Coarse to fine: their urgency is smaller than that of what replaces them.
+            orders.extend(cut.above.iter().filter(|(id, _)| self.mesh(*id).is_none()).map(order));
+        }
+        let asked: HashSet<PatchId> = orders.iter().map(|(id, ..)| *id).collect();
+        let textures = untextured.iter().filter(|id| !asked.contains(id));
+        orders.extend(textures.map(|&id| (id, Request::Texture, AFTER_MESHES)));
+        orders
+    }
+
+    /// What the view would draw out of sight: whoever turns around finds it.
+    fn surroundings(&self, view: &View) -> Vec<Order> {
+        let around = cut(&self.tree, view, &|id| self.mesh(id).is_some());
+        let snapshot = Arc::new(*view);
+        around.wanted.into_iter().map(|(id, urgency)| (id, Request::Explore(snapshot.clone()), SURROUNDINGS + urgency)).collect()
+    }
+
+    /// Forgets patches that neither the view needs nor the GPU holds, when many are known.
+    fn forget_unused(&mut self, cut: &Cut) {
+        if self.tree.len() > MOST_KNOWN {
+            let used: HashSet<PatchId> = cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id)).collect();
+            let resident = &self.resident;
+            self.tree.forget_but(|id| id.level == 0 || used.contains(&id) || resident.contains_key(&id));
+        }
     }
 
     /// Updates until everything the view wants is resident (or nothing more fits), and returns the final cut.
@@ -330,25 +408,11 @@ impl Scene {
                 patch.last_used = self.frame;
             }
         }
-        for leaf in &cut.leaves {
-            let mut at = Some(leaf.id);
-            while let Some(id) = at {
-                match self.resident.get_mut(&id) {
-                    Some(patch) if patch.last_used != self.frame => patch.last_used = self.frame,
-                    _ => break,
-                }
-                at = id.parent();
+        for id in cut.leaves.iter().flat_map(|leaf| [Some(leaf.id), leaf.id.parent()]).flatten() {
+            if let Some(patch) = self.resident.get_mut(&id) {
+                patch.last_used = self.frame;
             }
         }
-    }
-
-    fn request(&mut self, cut: &Cut, stale: &[PatchId]) {
-        // What was just turned away would be again: it is not read and decoded anew for every frame.
-        let turned_away = self.full_at.is_some_and(|at| self.frame < at + PATIENCE);
-        let wanted: &[_] = if turned_away { &[] } else { &cut.wanted };
-        let missing = wanted.iter().map(|&(id, urgency)| (id, Request::Patch, urgency));
-        // Shape before light.
-        self.loader.request(missing.chain(stale.iter().map(|&id| (id, Request::Horizon, f64::MAX))).collect());
     }
 
     fn upload(&mut self, arrived: Vec<Response>) -> Result<(), SceneError> {
@@ -372,34 +436,41 @@ impl Scene {
     }
 
     fn stage_patch(&mut self, loaded: Loaded, upload: &mut Upload) -> Result<(), SceneError> {
-        let id = loaded.patch.mesh.id;
-        if self.resident.contains_key(&id) {
+        let Loaded { id, facts, mesh, texture } = loaded;
+        self.tree.insert(id, &facts);
+        let patch = self.resident.get(&id);
+        let mesh = mesh.filter(|_| patch.is_none_or(|patch| patch.mesh.is_none()));
+        let texture = texture.filter(|_| patch.is_none_or(|patch| patch.layer.is_none()));
+        if mesh.is_none() && texture.is_none() {
             return Ok(());
         }
-        self.tree.insert(loaded.patch.mesh.id, &loaded.patch.mesh.facts);
-        if self.resident.len() >= self.capacity && !self.evict() {
+        if patch.is_none() && self.resident.len() >= self.capacity && !self.evict() {
             self.full_at = Some(self.frame);
             return Ok(());
         }
-        let layer = loaded.texture.as_ref().and_then(|_| self.textures.claim());
-        let mut patch = ResidentPatch::new(&self.context, upload, &loaded.patch, layer, self.frame)?;
-        if let (Some(layer), Some(mips), Some(relief)) = (layer, &loaded.texture, &loaded.relief) {
-            self.textures.upload(upload, layer, mips)?;
-            self.textures.upload_relief(upload, layer, relief)?;
-            patch.sun = relief.sun;
+        let mut patch = self.resident.remove(&id).unwrap_or_default();
+        patch.last_used = self.frame;
+        if let Some(texture) = texture {
+            patch.layer = self.textures.claim();
+            if let Some(layer) = patch.layer {
+                self.textures.upload(upload, layer, &texture.mips)?;
+                self.textures.upload_relief(upload, layer, &texture.relief)?;
+                patch.sun = texture.relief.sun;
+            }
+        }
+        if let Some(mesh) = mesh {
+            patch.mesh = Some(ResidentMesh::new(&self.context, upload, &mesh.patch)?);
+            self.ground.known.insert(mesh.grid);
         }
         self.resident.insert(id, patch);
-        self.ground.known.insert(loaded.grid);
         Ok(())
     }
 
-    /// Frees the least recently used patch that no resident child stands on and the latest frame did not use.
+    /// Frees the least recently used patch that the latest frame did not use.
     fn evict(&mut self) -> bool {
-        let has_children = |id: PatchId| id.children().into_iter().flatten().any(|c| self.resident.contains_key(&c));
-        let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame && !has_children(**id));
+        let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame);
         let Some(oldest) = idle.min_by_key(|(id, p)| (p.last_used, **id)).map(|(id, _)| *id) else { return false };
         self.ground.known.remove(oldest);
-        self.tree.forget(oldest);
         if let Some(layer) = self.resident.remove(&oldest).and_then(|p| p.layer) {
             self.textures.release(layer);
         }

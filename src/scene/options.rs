@@ -28,6 +28,19 @@ pub struct OnDemand {
     pub cache: Option<CacheOptions>,
 }
 
+/// Which patches a scene loads.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Scope {
+    /// What a picture shows, and nothing else.
+    #[default]
+    Still,
+    /// What a moving camera needs: first what is in sight, coarse to fine, so that there is always a picture, and the ground below; then
+    /// what surrounds it.
+    Flight,
+    /// All of the planet that a view asks for, out of sight too: for checks of the mesh.
+    Whole,
+}
+
 /// What a scene may use.
 #[derive(Clone, Debug)]
 pub struct SceneOptions {
@@ -41,18 +54,20 @@ pub struct SceneOptions {
     pub textures: bool,
     /// Whether and how to build what the file lacks.
     pub on_demand: Option<OnDemand>,
+    /// Which patches are loaded.
+    pub scope: Scope,
 }
 
 impl SceneOptions {
     /// Every patch that a view asks for, without textures: for checks of the mesh.
     pub fn whole_mesh() -> Self {
-        SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, textures: false, on_demand: None }
+        SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, textures: false, on_demand: None, scope: Scope::Whole }
     }
 }
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        SceneOptions { gpu_bytes: 3 << 30, host_bytes: 1 << 30, textures: true, on_demand: None }
+        SceneOptions { gpu_bytes: 3 << 30, host_bytes: 1 << 30, textures: true, on_demand: None, scope: Scope::Still }
     }
 }
 

@@ -16,28 +16,29 @@ pub(super) fn bytes_of_patch(cells: u32) -> u64 {
     row * row * size_of::<PatchVertex>() as u64 + 11 * cells * cells * TRIANGLE_BYTES / 2
 }
 
-/// A patch that can be drawn.
+/// What is on the GPU of a patch: its mesh, its textures, or both.
+#[derive(Default)]
 pub struct ResidentPatch {
+    /// Its mesh, without which it cannot be drawn.
+    pub mesh: Option<ResidentMesh>,
     /// Layer of its textures.
     pub layer: Option<u32>,
     /// Number of the latest frame that used it.
     pub last_used: u64,
     /// Number of the sun that its light is of.
     pub(super) sun: u64,
+}
+
+/// A mesh that can be drawn.
+pub struct ResidentMesh {
     reach: Reach,
     buffer: Buffer,
     triangles: u64,
 }
 
-impl ResidentPatch {
+impl ResidentMesh {
     /// Stages a loaded patch for upload.
-    pub(super) fn new(
-        context: &Arc<Context>,
-        upload: &mut Upload,
-        patch: &LoadedPatch,
-        layer: Option<u32>,
-        frame: u64,
-    ) -> Result<ResidentPatch> {
+    pub(super) fn new(context: &Arc<Context>, upload: &mut Upload, patch: &LoadedPatch) -> Result<ResidentMesh> {
         let triangles = &patch.lists.triangles;
         let start = (size_of::<PatchVertex>() * patch.vertices.len()).next_multiple_of(16) as u64;
         // Emission reads whole words.
@@ -45,7 +46,7 @@ impl ResidentPatch {
         let buffer = Buffer::new(context, &format!("patch {}", patch.mesh.id), bytes, Usage::STORAGE_BUFFER, Memory::Device)?;
         upload.buffer(&buffer, 0, &patch.vertices)?;
         upload.buffer(&buffer, start, triangles)?;
-        Ok(ResidentPatch { layer, last_used: frame, sun: 0, reach: patch.reach.clone(), buffer, triangles: start })
+        Ok(ResidentMesh { reach: patch.reach.clone(), buffer, triangles: start })
     }
 
     /// What a view looks at.

@@ -38,6 +38,16 @@ pub struct Cut {
     pub above: Vec<(PatchId, f64)>,
 }
 
+/// Share of the distance at which a patch splits for its texture's sake from which on its texture shows through those of its children; at
+/// the whole distance nothing else shows.
+pub const FADE_FROM: f64 = 0.65;
+
+/// Whether the textures of a patch of a level can show through those of its children, somewhere in a space.
+pub fn shows_through(tree: &PatchTree, view: &View, level: u8, space: &Space) -> bool {
+    let [low, high] = [space.bounds.low, space.bounds.high].map(|corner| (corner.as_dvec3() - view.eye).abs());
+    low.max(high).length() > FADE_FROM * texture_distance(tree, view, level)
+}
+
 /// Distance in lattice units at which a patch of a level splits for its texture's sake.
 pub fn texture_distance(tree: &PatchTree, view: &View, level: u8) -> f64 {
     tree.texel_size(level) / (TEXEL_PIXELS * view.camera.pixel_angle())
@@ -67,13 +77,15 @@ pub fn cut(tree: &PatchTree, view: &View, resident: &dyn Fn(PatchId) -> bool) ->
     cut_by(tree, &|id, node| urgency(tree, view, id.level, node), resident)
 }
 
-/// The cut of what is in sight: nothing is said of other patches, and none of them need be resident or known.
+/// The cut of what is in sight: nothing is said of other patches, and none of them need be resident or known. With `underfoot` the ground
+/// below the eye counts as in sight.
 ///
 /// Borders are canonical, so where nothing is drawn behind a side no crack can be seen there, and that side counts as one with a neighbour
 /// of the same level: the finest that the patch can be.
-pub fn cut_in_sight(tree: &PatchTree, view: &View, resident: &dyn Fn(PatchId) -> bool) -> Cut {
+pub fn cut_in_sight(tree: &PatchTree, view: &View, underfoot: bool, resident: &dyn Fn(PatchId) -> bool) -> Cut {
     let urgency = |id: PatchId, node: &PatchNode| urgency(tree, view, id.level, node);
-    Search::new(tree, &urgency, &|space| is_visible(tree, view, space), resident).run()
+    let below = |space: &Space| underfoot && view.eye.dot(space.centre) >= view.eye.length() * space.spread;
+    Search::new(tree, &urgency, &|space| is_visible(tree, view, space) || below(space), resident).run()
 }
 
 /// The finest surface that the resident patches can be drawn as: every patch splits that can.

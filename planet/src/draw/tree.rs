@@ -134,10 +134,10 @@ impl PatchTree {
         self.nodes.insert(id, self.node(id, facts));
     }
 
-    /// Forgets a patch that can be built again.
-    pub fn forget(&mut self, id: PatchId) {
+    /// Forgets patches that can be surveyed again, but for those that a condition names.
+    pub fn forget_but(&mut self, keep: impl Fn(PatchId) -> bool) {
         if self.finest_built.is_some() {
-            self.nodes.remove(&id);
+            self.nodes.retain(|id, _| keep(*id));
         }
     }
 

@@ -34,7 +34,7 @@ pub(crate) struct Bake {
     #[arg(long, value_name = "LEVEL", requires = "region")]
     to_level: Option<u8>,
     /// Grid cells along a patch side, a power of two.
-    #[arg(long, default_value_t = 128)]
+    #[arg(long, default_value_t = 64)]
     cells: u32,
     #[command(flatten)]
     threads: Threads,

@@ -103,7 +103,7 @@ impl Shot {
             "patches": report.tables.patches.len(), "awake_vertices": report.counters.awake,
             "prefix_vertices": report.tables.vertices, "candidate_triangles": report.tables.triangles,
             "triangles": report.counters.wanted, "dropped_triangles": still.dropped_triangles,
-            "patches_read": scene.tally().read, "patches_built": scene.tally().built, "build_s": scene.tally().build_s,
+            "patches_read": scene.tally().read, "patches_surveyed": scene.tally().surveyed, "patches_built": scene.tally().built, "build_s": scene.tally().build_s,
             "resident_patches": scene.resident_count(), "patch_bytes_on_gpu": scene.gpu_bytes().0,
             "patch_bytes_on_host": scene.host_bytes().0, "settled": scene.is_settled(),
             "stages_gpu_ms": stage_times(&PerStage::gpu_ms(&report.times)), "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,

@@ -5,7 +5,7 @@ use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, Mutex, PoisonError};
 use terrane_planet::draw::cut::{cut, cut_by, distance_to_box, finest_cut, is_visible, Leaf};
 use terrane_planet::draw::layout::PatchVertex;
-use terrane_planet::draw::tree::{PatchNode, PatchTree};
+use terrane_planet::draw::tree::{PatchNode, PatchTree, QuarterNode};
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::patch::{PatchId, MAX_LEVEL};
 use terrane_planet::ground::WarpedGrid;
@@ -84,7 +84,10 @@ impl Setting {
         let mut leaves = match rule {
             CutRule::AsDrawn => cut(&self.tree, view, &stored),
             CutRule::Detail => {
-                let urgency = |_, node: &PatchNode| distance_to_box(view, &node.space.bounds) / (view.scale * node.detail_wake);
+                let urgency = |_, node: &PatchNode| {
+                    let of = |q: &QuarterNode| distance_to_box(view, &q.space.bounds) / (view.scale * q.detail_wake);
+                    node.quarters.iter().map(of).fold(f64::INFINITY, f64::min)
+                };
                 cut_by(&self.tree, &urgency, &stored)
             }
         }
