@@ -15,6 +15,7 @@ mod extremes;
 mod fuzz_seeds;
 mod heightmaps;
 mod horizon;
+mod in_sight;
 mod independence;
 mod motion;
 mod positions;

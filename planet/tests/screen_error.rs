@@ -15,12 +15,18 @@ use terrane_planet::verify::{measure, Drawn, Effort, FinestSurface, GridCache, P
 
 const EFFORT: Effort = Effort { pixels: 1024, finer_samples: 4096, seed: 11 };
 
-const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
+pub(crate) const FIELD: TestField = TestField { radius: 30_000.0, roughness: 0.05, ridged: true, seed: 5 };
 
-type Change<'a> = &'a dyn Fn(&Planet, PatchId, &mut Vec<PatchVertex>);
+pub(crate) type Change<'a> = &'a dyn Fn(&Planet, PatchId, &mut Vec<PatchVertex>);
 
 /// Measures a cut whose vertices were changed first.
-fn error_of(planet: &Planet, view: &View, cut: &Cut, resident: &dyn Fn(PatchId) -> bool, change: Change) -> ScreenError {
+pub(crate) fn error_of(
+    planet: &Planet,
+    view: &View,
+    cut: &Cut,
+    resident: &dyn Fn(PatchId) -> bool,
+    change: Change,
+) -> ScreenError {
     let mut patches = Vec::new();
     for leaf in &cut.leaves {
         let (patch, _) = &planet.patches[&leaf.id];
@@ -47,10 +53,10 @@ fn natural(planet: &Planet, view: &View) -> ScreenError {
 }
 
 /// The kinds of probes at which the builder's bound holds by construction.
-const AT_SAMPLES: [Probe; 2] = [Probe::Sleeper, Probe::FinerSample];
+pub(crate) const AT_SAMPLES: [Probe; 2] = [Probe::Sleeper, Probe::FinerSample];
 
 /// Largest share of its tolerance that any view shows at the points of some kinds.
-fn worst_share(errors: impl Iterator<Item = (View, ScreenError)>, probes: &[Probe]) -> f64 {
+pub(crate) fn worst_share(errors: impl Iterator<Item = (View, ScreenError)>, probes: &[Probe]) -> f64 {
     let (mut worst, mut count) = (0.0f64, 0);
     for (view, error) in errors {
         assert_eq!(error.missed, 0, "{:?}", view.camera);
@@ -85,7 +91,7 @@ fn what_lies_between_samples_stays_within_the_tolerance() {
 }
 
 /// A number that differs from patch to patch and from view to view.
-fn dice(id: PatchId, k: usize) -> u64 {
+pub(crate) fn dice(id: PatchId, k: usize) -> u64 {
     u64::from(id.x) * 31 + u64::from(id.y) * 17 + u64::from(id.level) * 7 + k as u64
 }
 

@@ -166,9 +166,8 @@ impl<'a> Search<'a> {
         let seen = match id.parent() {
             None => self.tree.get(id).is_none_or(|node| (self.seen)(&node.space)),
             Some(parent) => {
-                let quarter = (id.x % 2 + 2 * (id.y % 2)) as usize;
                 let node = self.tree.get(parent);
-                self.is_in_sight(parent) && node.is_none_or(|node| (self.seen)(&node.quarters[quarter].space))
+                self.is_in_sight(parent) && node.is_none_or(|node| (self.seen)(&node.quarters[id.quarter()].space))
             }
         };
         self.in_sight.insert(id, seen);
@@ -306,6 +305,13 @@ pub fn sides_beside(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> u8 {
 /// Whether any of what is in a space can be seen: inside the frustum, and not wholly behind the ball that hides what is behind it.
 pub fn is_visible(tree: &PatchTree, view: &View, space: &Space) -> bool {
     nearest_and_outside(view, &space.bounds).1 <= 0.0 && !below_horizon(tree, view, space)
+}
+
+/// Whether any of a patch can be seen, as far as its ancestors know: what [`cut_in_sight`] goes by.
+pub fn is_in_sight(tree: &PatchTree, view: &View, id: PatchId) -> bool {
+    let Some(parent) = id.parent() else { return tree.get(id).is_none_or(|node| is_visible(tree, view, &node.space)) };
+    let seen = |node: &PatchNode| is_visible(tree, view, &node.quarters[id.quarter()].space);
+    tree.get(parent).is_none_or(seen) && is_in_sight(tree, view, parent)
 }
 
 /// Whether the ball that hides what is behind it hides all of a space.

@@ -146,9 +146,11 @@ impl PatchTree {
         self.can_split_into(id, &mut |_| true)
     }
 
-    /// Whether a patch can give way to those of its children that count.
+    /// Whether a patch can give way to those of its children that count, if it has any.
     pub(crate) fn can_split_into(&self, id: PatchId, counts: &mut dyn FnMut(PatchId) -> bool) -> bool {
-        let mut known = || id.children().is_some_and(|ids| ids.into_iter().all(|c| self.nodes.contains_key(&c) || !counts(c)));
+        let is_known = |child: &PatchId| self.nodes.contains_key(child);
+        let children = id.children().filter(|children| children.iter().any(is_known));
+        let mut known = || children.is_some_and(|children| children.into_iter().all(|c| is_known(&c) || !counts(c)));
         self.finest_built.is_some_and(|level| id.level < level) || known()
     }
 

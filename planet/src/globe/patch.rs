@@ -85,6 +85,11 @@ impl PatchId {
         })
     }
 
+    /// Which of its parent's children it is, in the order of [`PatchId::children`].
+    pub fn quarter(self) -> usize {
+        (self.x % 2 + 2 * (self.y % 2)) as usize
+    }
+
     /// Length of a side in cube units.
     pub fn size(self) -> i32 {
         // A whole face is 2^31 wide, one more than i32 holds: level 0 is only ever used halved or in i64.

@@ -4,8 +4,9 @@
 //! one that has both in common.
 
 use crate::draw::layout::{DrawnVertex, PatchVertex};
+use crate::draw::view::View;
 use crate::globe::lattice::{determinant, orientation};
-use glam::IVec3;
+use glam::{DVec3, IVec3};
 use std::collections::HashMap;
 
 /// Faults of one surface.
@@ -71,10 +72,35 @@ impl SurfaceCheck {
     }
 
     /// The faults of everything added.
-    pub fn finish(mut self) -> SurfaceReport {
-        self.report.cracks = self.open_edges.values().map(|n| n.unsigned_abs() as usize).sum();
+    pub fn finish(self) -> SurfaceReport {
+        self.finish_where(|_| true)
+    }
+
+    /// The faults of everything added, where only what is in sight of a view was: behind its outline nothing need cancel. `ground` is the
+    /// radius in lattice units of a ball that hides what is behind it.
+    pub fn finish_in_sight(self, view: &View, ground: f64) -> SurfaceReport {
+        self.finish_where(|edge| {
+            let [p, q] = edge.map(|(_, drawn)| DVec3::from_array(drawn.map(|bits| f64::from(f32::from_bits(bits)))));
+            let outside = view.planes.iter().any(|plane| plane.dot(p) > 0.0 && plane.dot(q) > 0.0);
+            !outside && !(view.horizon && [p, q].into_iter().all(|end| is_hidden(view.eye, end, ground)))
+        })
+    }
+
+    fn finish_where(mut self, counts: impl Fn([Key; 2]) -> bool) -> SurfaceReport {
+        let open = self.open_edges.iter().filter(|(edge, n)| **n != 0 && counts(**edge));
+        self.report.cracks = open.map(|(_, n)| n.unsigned_abs() as usize).sum();
         self.report
     }
+}
+
+/// Whether a point, as seen from an eye outside the ball, is behind the ball; inside of it, whether the ground there faces away.
+fn is_hidden(eye: DVec3, from_eye: DVec3, ball: f64) -> bool {
+    let (point, beyond) = (eye + from_eye, eye.length() > ball);
+    if point.length() <= ball {
+        return beyond && eye.dot(point) < point.length_squared();
+    }
+    let nearest = (-eye.dot(from_eye) / from_eye.length_squared()).clamp(0.0, 1.0);
+    beyond && (eye + from_eye * nearest).length() < ball
 }
 
 /// A vertex on the straight way from its own position to its parent's.

@@ -76,6 +76,12 @@ pub(crate) fn views_over(planet: &Planet, height: &dyn Fn(DVec3) -> f64, count: 
 
 /// Draws a cut without culling: the report on its surface, and closure violations away from the rim of the data.
 pub(crate) fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (SurfaceReport, usize) {
+    let (check, violations) = surface(planet, view, cut, forget_sides);
+    (check.finish(), violations)
+}
+
+/// [`draw`], for who says what counts as a crack.
+pub(crate) fn surface(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) -> (SurfaceCheck, usize) {
     let mut check = SurfaceCheck::default();
     let mut violations = 0;
     for leaf in &cut.leaves {
@@ -90,5 +96,5 @@ pub(crate) fn draw(planet: &Planet, view: &View, cut: &Cut, forget_sides: bool) 
             violations += rings.violations(&awake, &drawn_positions);
         }
     }
-    (check.finish(), violations)
+    (check, violations)
 }
