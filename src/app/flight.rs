@@ -6,7 +6,7 @@ use super::surface::DrawnSurface;
 use super::viewer::Viewer;
 use super::{AppError, FlyOptions, SaveScreenshot};
 use crate::frame::{FrameTables, Look, Overlay as OverlayStage, Renderer};
-use crate::scene::{uploads_within, Scene};
+use crate::scene::{uploads_within, Scene, SceneOptions, Scope};
 use crate::vulkan::{capture, vk, Access, Commands, Context, Image, ImageDescription, Swapchain};
 use glam::DQuat;
 use std::sync::Arc;
@@ -62,7 +62,7 @@ pub(super) struct Flight {
 impl Flight {
     pub(super) fn new(window: Arc<Window>, options: &FlyOptions) -> Result<Flight, AppError> {
         let (context, surface) = Context::with_window(&options.context, window.clone())?;
-        let scene = Scene::open(&context, &options.file, options.scene.clone())?;
+        let scene = Scene::open(&context, &options.file, SceneOptions { scope: Scope::Flight, ..options.scene.clone() })?;
         let size = window.inner_size();
         let swapchain = Swapchain::new(&context, surface, (size.width, size.height), false)?;
         let format = swapchain.format();

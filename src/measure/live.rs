@@ -125,7 +125,7 @@ impl<'a> LiveFlight<'a> {
         Ok((frame, seen, cut))
     }
 
-    /// Faults of the frame that was just drawn: of its surface all around the planet, and of its picture.
+    /// Faults of the frame that was just drawn: of its surface as far as it is in sight, and of its picture.
     ///
     /// # Errors
     /// If the GPU fails.
@@ -146,7 +146,7 @@ impl<'a> LiveFlight<'a> {
                 &selection.drawn_positions[draw.resolve_offset as usize..(draw.resolve_offset + draw.vertex_count) as usize];
             surface.add(&self.vertices[&leaf.id], drawn_positions, triangles);
         }
-        let report = surface.finish();
+        let report = surface.finish_in_sight(view, self.scene.tree().hidden_radius);
         Ok(LiveFaults { cracks: report.cracks, flipped: report.flipped, holes })
     }
 

@@ -1,11 +1,11 @@
-//! The screen error of whole planets, measured with rays: natural cuts, cuts that split more than they must, and cuts with patches
-//! missing.
+//! The screen error of whole planets, measured with rays: natural cuts, cuts of what is in sight alone, as pictures are drawn, cuts that
+//! split more than they must, and cuts with patches missing.
 //!
 //! Drawn by the CPU's stages, which [`super::Verifier::check`] compares with the GPU's bit by bit in the same views.
 
 use super::twins::Twin;
 use super::{MeshFaults, Verifier};
-use terrane_planet::draw::cut::{cut, cut_by, urgency, Cut};
+use terrane_planet::draw::cut::{cut, cut_by, cut_in_sight, urgency, Cut};
 use terrane_planet::draw::tree::{PatchNode, PatchTree};
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::patch::PatchId;
@@ -18,8 +18,10 @@ pub const PROMISED_SHARE: f64 = 1.0;
 /// Which patches a view is drawn with.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Perturbation {
-    /// Those that the view asks for.
+    /// Those that the view asks for, of the whole planet.
     None,
+    /// Those of them that are in sight.
+    InSight,
     /// A third of the patches split at five times their distance.
     OverSplit,
     /// A fifth of the patches are not resident, never the whole faces.
@@ -27,16 +29,17 @@ pub enum Perturbation {
 }
 
 impl Perturbation {
-    /// The ways in which view number `k` is measured: as it is, and two views of three also perturbed.
+    /// The ways in which view number `k` is measured: whole, and in one of the other ways.
     pub fn of_view(k: usize) -> impl Iterator<Item = Perturbation> {
-        let also = [None, Some(Perturbation::OverSplit), Some(Perturbation::Missing)][k % 3];
-        std::iter::once(Perturbation::None).chain(also)
+        let also = [Perturbation::InSight, Perturbation::OverSplit, Perturbation::Missing][k % 3];
+        [Perturbation::None, also].into_iter()
     }
 
     /// Its name, for people and for JSON.
     pub fn name(self) -> &'static str {
         match self {
             Perturbation::None => "natural",
+            Perturbation::InSight => "in sight",
             Perturbation::OverSplit => "over-split",
             Perturbation::Missing => "patches missing",
         }
@@ -48,8 +51,10 @@ impl Perturbation {
 
     fn cut(self, tree: &PatchTree, view: &View, k: usize) -> Cut {
         let resident = |id| self.is_resident(tree, id, k);
-        if self != Perturbation::OverSplit {
-            return cut(tree, view, &resident);
+        match self {
+            Perturbation::None | Perturbation::Missing => return cut(tree, view, &resident),
+            Perturbation::InSight => return cut_in_sight(tree, view, false, &resident),
+            Perturbation::OverSplit => {}
         }
         let eager = |id: PatchId, node: &PatchNode| {
             let hurry = if dice(id, k).is_multiple_of(3) { 0.2 } else { 1.0 };
@@ -108,7 +113,10 @@ impl Verifier {
         let excused = |id| finest.ends_at(id) && (perturbation == Perturbation::Missing || !tree.can_split(id));
         let effort = Effort { pixels: rays, finer_samples: rays, seed: k as u64 };
         let error = measure(view, tree, &drawn, &finest, &excused, effort)?;
-        let surface = surface.finish();
+        let surface = match perturbation {
+            Perturbation::InSight => surface.finish_in_sight(view, tree.hidden_radius),
+            _ => surface.finish(),
+        };
         let faults = MeshFaults { flipped: surface.flipped, degenerate: surface.degenerate, closure_violations: 0 };
         Ok(ScreenReport { error, cracks: surface.cracks, faults })
     }

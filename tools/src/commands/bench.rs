@@ -18,7 +18,7 @@ use std::path::{Path, PathBuf};
 use terrane::frame::Look;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
-use terrane::scene::Scene;
+use terrane::scene::{Scene, Scope};
 use terrane::vulkan::GpuInfo;
 use terrane_planet::draw::camera_path::Keyframe;
 
@@ -66,7 +66,8 @@ impl Run for Bench {
     fn run(self) -> anyhow::Result<Outcome> {
         check_tolerance(self.error)?;
         let path = load_path(&self.path)?;
-        let (context, mut scene) = self.draw.open(&self.file)?;
+        let scope = if self.live { Scope::Flight } else { Scope::Still };
+        let (context, mut scene) = self.draw.open_for(&self.file, scope)?;
         let [width, height] = self.size;
         let mut headless = Headless::new(&context, (width, height))?;
         if self.live {

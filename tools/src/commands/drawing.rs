@@ -4,7 +4,7 @@ use super::viewing::{Exposure, GpuOptions, LookOptions, MeshOptions, PatchOption
 use std::path::Path;
 use std::sync::Arc;
 use terrane::frame::Look;
-use terrane::scene::Scene;
+use terrane::scene::{Scene, SceneOptions, Scope};
 use terrane::vulkan::Context;
 use terrane_planet::draw::camera_path::CameraPath;
 use terrane_planet::draw::view::{Camera, View};
@@ -26,10 +26,15 @@ pub(crate) struct DrawOptions {
 }
 
 impl DrawOptions {
-    /// A context without a window, and a planet file as a scene on it.
+    /// A context without a window, and a planet file as a scene on it, for single pictures.
     pub(crate) fn open(&self, file: &Path) -> anyhow::Result<(Arc<Context>, Scene)> {
+        self.open_for(file, Scope::Still)
+    }
+
+    /// A context without a window, and a planet file as a scene on it.
+    pub(crate) fn open_for(&self, file: &Path, scope: Scope) -> anyhow::Result<(Arc<Context>, Scene)> {
         let context = self.gpu.context()?;
-        let scene = Scene::open(&context, file, self.patches.options()?)?;
+        let scene = Scene::open(&context, file, SceneOptions { scope, ..self.patches.options()? })?;
         Ok((context, scene))
     }
 

@@ -10,7 +10,7 @@ use std::io::IsTerminal;
 use std::path::PathBuf;
 use std::time::Instant;
 use terrane::headless::Headless;
-use terrane::scene::{Scene, SceneOptions};
+use terrane::scene::{Scene, SceneOptions, Scope};
 use terrane::verify::screen::ToleranceErrors;
 use terrane::verify::{ground_views, random_views, Perturbation, ScreenErrors, Verifier, VerifyReport, ViewReport, TOLERANCES};
 use terrane::vulkan::GpuInfo;
@@ -116,7 +116,8 @@ impl Verify {
             return Ok(SceneOptions::whole_mesh());
         }
         let options = PatchOptions::to_spacing(self.spacing).options()?;
-        Ok(SceneOptions { textures: false, gpu_bytes: NEAR_GROUND_BYTES, host_bytes: u64::MAX, ..options })
+        let scope = Scope::Whole;
+        Ok(SceneOptions { textures: false, gpu_bytes: NEAR_GROUND_BYTES, host_bytes: u64::MAX, scope, ..options })
     }
 }
 
