@@ -32,11 +32,20 @@ struct Ground {
     vec2 relief;
 };
 
-Ground fetch(uint layer, vec2 grid, float lod) {
-    float side = 2.0 * float(view.cells + TEXTURE_GUTTER);
-    vec3 at = vec3((2.0 * grid + float(TEXTURE_GUTTER)) / side, float(layer));
+// Where the image layers hold texel `at` (0 to `side`) of a slot's tile.
+vec3 in_layer(uint slot, vec2 at, float side) {
+    uint tile = slot % (TILES_PER_SIDE * TILES_PER_SIDE);
+    vec2 corner = side * vec2(tile % TILES_PER_SIDE, tile / TILES_PER_SIDE);
+    return vec3((corner + at) / (side * float(TILES_PER_SIDE)), float(slot / (TILES_PER_SIDE * TILES_PER_SIDE)));
+}
+
+// Samples lie a little outside of the patch where a pixel's centre does: never so far that a neighbouring tile shows, at any mip level.
+Ground fetch(uint slot, vec2 grid, float lod) {
+    float cells = float(view.cells);
+    vec2 texel = 2.0 * clamp(grid, vec2(-1.0), vec2(cells + 1.0)) + float(TEXTURE_GUTTER);
+    vec3 at = in_layer(slot, texel, 2.0 * (cells + float(TEXTURE_GUTTER)));
     vec4 color = textureLod(albedo, at, lod);
-    vec3 vertex = vec3((grid + 0.5) / float(view.cells + 1u), float(layer));
+    vec3 vertex = in_layer(slot, clamp(grid, vec2(0.0), vec2(cells)) + 0.5, cells + 1.0);
     return Ground(textureLod(slopes, at, lod).xy, color.rgb, color.a, textureLod(relief, vertex, 0.0).xy);
 }
 
@@ -44,11 +53,11 @@ Ground fetch(uint layer, vec2 grid, float lod) {
 // distance and slant, not from screen derivatives: those differ between the triangles of one surface, and show its edges.
 Ground ground_of(PatchDraw target, float distance, float slant) {
     float lod = log2(distance / target.texel_distance) - 0.5 * log2(max(slant, 0.02));
-    Ground own = fetch(target.layer, in_grid, lod);
+    Ground own = fetch(target.slot, in_grid, lod);
     float parent_share = smoothstep(0.65, 1.0, distance / target.fade_distance);
-    if (target.parent_layer != NO_LAYER && parent_share > 0.0) {
+    if (target.parent_slot != NO_SLOT && parent_share > 0.0) {
         vec2 grid = 0.5 * (in_grid + float(view.cells) * vec2(target.quarter));
-        Ground parent = fetch(target.parent_layer, grid, lod - 1.0);
+        Ground parent = fetch(target.parent_slot, grid, lod - 1.0);
         own.slope = mix(own.slope, parent.slope, parent_share);
         own.albedo = mix(own.albedo, parent.albedo, parent_share);
         own.shore = mix(own.shore, parent.shore, parent_share);

@@ -33,8 +33,8 @@ void main() {
     words[at++] = bits(patchdraw.resolve_offset);
     words[at++] = bits(patchdraw.coarser_sides);
     words[at++] = bits(patchdraw.level);
-    words[at++] = bits(patchdraw.layer);
-    words[at++] = bits(patchdraw.parent_layer);
+    words[at++] = bits(patchdraw.slot);
+    words[at++] = bits(patchdraw.parent_slot);
     words[at++] = bits(patchdraw.quarter.x);
     words[at++] = bits(patchdraw.quarter.y);
     words[at++] = bits(patchdraw.fade_distance);

@@ -17,8 +17,8 @@ struct PatchDraw {
     uint resolve_offset;
     uint coarser_sides;
     uint level;
-    uint layer;
-    uint parent_layer;
+    uint slot;
+    uint parent_slot;
     uvec2 quarter;
     float fade_distance;
     float texel_distance;
@@ -107,7 +107,8 @@ struct EmitState {
 const uint CULL_FRUSTUM = 1u;
 const uint CULL_BACK = 2u;
 const float BACK_SLACK = 1e-5;
-const uint NO_LAYER = 4294967295u;
+const uint NO_SLOT = 4294967295u;
+const uint TILES_PER_SIDE = 4u;
 const float NO_SEA = -1e30;
 const uint VERTEX_BITS = 15u;
 const uint SELECT_CHUNK = 1024u;

@@ -7,7 +7,7 @@ use crate::scene::{ResidentMesh, Scene};
 use glam::DVec3;
 use std::ops::Range;
 use terrane_planet::draw::cut::{is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
-use terrane_planet::draw::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_LAYER, RESOLVE_CHUNK, SELECT_CHUNK};
+use terrane_planet::draw::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_SLOT, RESOLVE_CHUNK, SELECT_CHUNK};
 use terrane_planet::draw::view::View;
 
 /// Something for each stage that works through tasks.
@@ -69,8 +69,8 @@ impl FrameTables {
             resolve_offset: self.vertices,
             coarser_sides: u32::from(leaf.coarser_sides),
             level: u32::from(leaf.id.level),
-            layer: scene.layer(leaf.id).unwrap_or(0),
-            parent_layer: parent.and_then(|p| scene.layer(p)).unwrap_or(NO_LAYER),
+            slot: scene.slot(leaf.id).unwrap_or(0),
+            parent_slot: parent.and_then(|p| scene.slot(p)).unwrap_or(NO_SLOT),
             quarter: [leaf.id.x % 2, leaf.id.y % 2],
             fade_distance: fade as f32,
             texel_distance: (TEXEL_PIXELS * metres(leaf.id.level)) as f32,

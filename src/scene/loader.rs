@@ -2,7 +2,7 @@
 
 use super::resident::bytes_of_patch;
 use super::source::Source;
-use super::textures::{bytes_of_layer, Relief, TextureMips};
+use super::textures::{bytes_of_tile, Relief, TextureMips};
 use super::SceneError;
 use std::collections::HashSet;
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
@@ -23,7 +23,7 @@ const MOMENT: Duration = Duration::from_millis(20);
 
 /// Bytes of main memory that a patch under way takes, about: as it is on the GPU, and half as much again while it is read or built.
 pub(super) fn bytes_under_way(cells: u32) -> u64 {
-    (bytes_of_patch(cells) + bytes_of_layer(cells)) * 3 / 2
+    (bytes_of_patch(cells) + bytes_of_tile(cells)) * 3 / 2
 }
 
 /// What a worker found out about a patch, and what of it is ready for upload.

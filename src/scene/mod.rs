@@ -34,7 +34,7 @@ use terrane_planet::draw::cut::{cut, cut_in_sight, shows_through, Cut};
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
-use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::patch::{PatchId, MIN_CELLS};
 use terrane_planet::ground::horizon::WideGrids;
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::query::KnownGround;
@@ -136,8 +136,8 @@ impl Scene {
         }
         let Budget { capacity, under_way } =
             Budget::new(&options, planet.cells, most_patches, context.limits().max_image_array_layers);
-        let layers = if options.textures { capacity } else { 1 };
-        let textures = TexturePool::new(context, planet.cells, layers)?;
+        let (cells, slots) = if options.textures { (planet.cells, capacity) } else { (MIN_CELLS, 1) };
+        let textures = TexturePool::new(context, cells, slots)?;
         let tally = Arc::new(Tally::default());
         let (grids, sun) = (Arc::new(WideGrids::default()), Arc::new(RwLock::new(Sun::default())));
         let loader = Loader::new(under_way, || {
@@ -212,9 +212,9 @@ impl Scene {
         self.resident.get(&id)?.mesh.as_ref()
     }
 
-    /// Layer of a patch's textures.
-    pub fn layer(&self, id: PatchId) -> Option<u32> {
-        self.resident.get(&id)?.layer
+    /// Slot of a patch's textures.
+    pub fn slot(&self, id: PatchId) -> Option<u32> {
+        self.resident.get(&id)?.slot
     }
 
     /// Number of patches on the GPU, those included of which only the textures are.
@@ -227,11 +227,11 @@ impl Scene {
         &self.ground
     }
 
-    /// Bytes that the patches on the GPU take, textures of absent ones included, and the most they may take.
+    /// Bytes that the patches on the GPU take, with the whole texture arrays, and the most they may take.
     pub fn gpu_bytes(&self) -> (u64, u64) {
         let meshes: u64 = self.resident.values().filter_map(|patch| patch.mesh.as_ref()).map(|mesh| mesh.buffer().bytes()).sum();
-        let layers = if self.has_textures { self.capacity as u64 * textures::bytes_of_layer(self.planet.cells) } else { 0 };
-        (meshes + layers, self.capacity as u64 * resident::bytes_of_patch(self.planet.cells) + layers)
+        let (textures, most_textures) = self.textures.bytes();
+        (meshes + textures, self.capacity as u64 * resident::bytes_of_patch(self.planet.cells) + most_textures)
     }
 
     /// Bytes of main memory that patches take at most while so many are on the GPU and under way, and the most they may take.
@@ -273,7 +273,7 @@ impl Scene {
         let number = self.sun.read().unwrap_or_else(PoisonError::into_inner).number;
         let drawn = cut.leaves.iter().flat_map(|leaf| [Some(leaf.id), leaf.id.parent()]).flatten();
         let mut stale: Vec<PatchId> =
-            drawn.filter(|id| self.resident.get(id).is_some_and(|patch| patch.layer.is_some() && patch.sun != number)).collect();
+            drawn.filter(|id| self.resident.get(id).is_some_and(|patch| patch.slot.is_some() && patch.sun != number)).collect();
         stale.sort_unstable();
         stale.dedup();
         stale
@@ -334,7 +334,7 @@ impl Scene {
     /// Parents of drawn patches whose textures show through and are not resident.
     fn untextured(&self, view: &View, cut: &Cut) -> HashSet<PatchId> {
         let shown = |id: PatchId| {
-            let parent = id.parent().filter(|&parent| self.has_textures && self.layer(parent).is_none())?;
+            let parent = id.parent().filter(|&parent| self.has_textures && self.slot(parent).is_none())?;
             let space = &self.tree.get(id)?.space;
             shows_through(&self.tree, view, parent.level, space).then_some(parent)
         };
@@ -426,9 +426,9 @@ impl Scene {
                 Response::Patch(loaded) => self.stage_patch(*loaded, &mut upload)?,
                 Response::Horizon(id, relief) => {
                     let Some(patch) = self.resident.get_mut(&id) else { continue };
-                    let Some(layer) = patch.layer else { continue };
+                    let Some(slot) = patch.slot else { continue };
                     patch.sun = relief.sun;
-                    self.textures.upload_relief(&mut upload, layer, &relief)?;
+                    self.textures.upload_relief(&mut upload, slot, &relief)?;
                 }
             }
         }
@@ -440,7 +440,7 @@ impl Scene {
         self.tree.insert(id, &facts);
         let patch = self.resident.get(&id);
         let mesh = mesh.filter(|_| patch.is_none_or(|patch| patch.mesh.is_none()));
-        let texture = texture.filter(|_| patch.is_none_or(|patch| patch.layer.is_none()));
+        let texture = texture.filter(|_| patch.is_none_or(|patch| patch.slot.is_none()));
         if mesh.is_none() && texture.is_none() {
             return Ok(());
         }
@@ -448,15 +448,17 @@ impl Scene {
             self.full_at = Some(self.frame);
             return Ok(());
         }
+        let slot = if texture.is_some() { self.claim_slot(upload)? } else { None };
+        if texture.is_some() && slot.is_none() {
+            self.full_at = Some(self.frame);
+            return Ok(());
+        }
         let mut patch = self.resident.remove(&id).unwrap_or_default();
         patch.last_used = self.frame;
-        if let Some(texture) = texture {
-            patch.layer = self.textures.claim();
-            if let Some(layer) = patch.layer {
-                self.textures.upload(upload, layer, &texture.mips)?;
-                self.textures.upload_relief(upload, layer, &texture.relief)?;
-                patch.sun = texture.relief.sun;
-            }
+        if let (Some(slot), Some(texture)) = (slot, texture) {
+            self.textures.upload(upload, slot, &texture.mips)?;
+            self.textures.upload_relief(upload, slot, &texture.relief)?;
+            (patch.slot, patch.sun) = (Some(slot), texture.relief.sun);
         }
         if let Some(mesh) = mesh {
             patch.mesh = Some(ResidentMesh::new(&self.context, upload, &mesh.patch)?);
@@ -466,13 +468,23 @@ impl Scene {
         Ok(())
     }
 
+    /// A slot for textures: a free one, or else that of an evicted patch.
+    fn claim_slot(&mut self, upload: &mut Upload) -> Result<Option<u32>, SceneError> {
+        loop {
+            let slot = self.textures.claim(upload)?;
+            if slot.is_some() || !self.evict() {
+                return Ok(slot);
+            }
+        }
+    }
+
     /// Frees the least recently used patch that the latest frame did not use.
     fn evict(&mut self) -> bool {
         let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame);
         let Some(oldest) = idle.min_by_key(|(id, p)| (p.last_used, **id)).map(|(id, _)| *id) else { return false };
         self.ground.known.remove(oldest);
-        if let Some(layer) = self.resident.remove(&oldest).and_then(|p| p.layer) {
-            self.textures.release(layer);
+        if let Some(slot) = self.resident.remove(&oldest).and_then(|p| p.slot) {
+            self.textures.release(slot);
         }
         true
     }

@@ -45,7 +45,8 @@ pub enum Scope {
 #[derive(Clone, Debug)]
 pub struct SceneOptions {
     /// Most bytes of patches on the GPU: their vertices, triangle lists and textures. Room for the six whole faces and one set of
-    /// children is always taken, and with textures there are at most as many patches as the device has image layers.
+    /// children is always taken. Nothing is allocated before it is needed. With textures there are at most 16 times as many patches as
+    /// the device has image layers.
     pub gpu_bytes: u64,
     /// Most bytes of main memory for patches: the ground of those on the GPU, for cameras, and those on their way there. Room for as
     /// many patches as with the least on the GPU, and for one under way, is always taken.
@@ -85,14 +86,16 @@ pub(super) struct Budget {
 }
 
 impl Budget {
-    /// The budgets of options, for patches of `cells` cells a side. There are `most_patches` at most, and textures have as many layers.
+    /// The budgets of options, for patches of `cells` cells a side. There are `most_patches` at most, and textures have as
+    /// many `layers`.
     pub(super) fn new(options: &SceneOptions, cells: u32, most_patches: u32, layers: u32) -> Budget {
-        // Only textures need a layer for each patch.
-        let most = if options.textures { layers } else { u32::MAX };
-        let bytes = resident::bytes_of_patch(cells) + if options.textures { textures::bytes_of_layer(cells) } else { 0 };
+        // Only textures need slots, and come in whole layers.
+        let most = if options.textures { layers.saturating_mul(textures::SLOTS_PER_LAYER) } else { u32::MAX };
+        let tile = if options.textures { textures::bytes_of_tile(cells) } else { 0 };
+        let gpu_bytes = options.gpu_bytes.saturating_sub(tile * u64::from(textures::SLOTS_PER_LAYER - 1));
         let under_way = usize::try_from(options.host_bytes / HOST_SHARE_UNDER_WAY / loader::bytes_under_way(cells));
         let host_bytes = options.host_bytes - options.host_bytes / HOST_SHARE_UNDER_WAY;
-        let room = (options.gpu_bytes / bytes).min(host_bytes / drawn_ground::bytes_of_patch(cells));
+        let room = (gpu_bytes / (resident::bytes_of_patch(cells) + tile)).min(host_bytes / drawn_ground::bytes_of_patch(cells));
         Budget {
             capacity: u32::try_from(room).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches),
             under_way: under_way.unwrap_or(MOST_UNDER_WAY).clamp(1, MOST_UNDER_WAY),

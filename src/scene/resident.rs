@@ -21,8 +21,8 @@ pub(super) fn bytes_of_patch(cells: u32) -> u64 {
 pub struct ResidentPatch {
     /// Its mesh, without which it cannot be drawn.
     pub mesh: Option<ResidentMesh>,
-    /// Layer of its textures.
-    pub layer: Option<u32>,
+    /// Slot of its textures.
+    pub slot: Option<u32>,
     /// Number of the latest frame that used it.
     pub last_used: u64,
     /// Number of the sun that its light is of.

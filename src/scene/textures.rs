@@ -1,10 +1,17 @@
-//! Textures of all resident patches, one layer a patch: slopes and albedo, and horizon angles and ambient occlusion.
+//! Textures of all resident patches: slopes and albedo, and horizon angles and ambient occlusion. Each patch has a *slot*, a tile of a
+//! layer of three image arrays. The arrays grow with what is resident.
 
-use crate::vulkan::{vk, Access, Commands, Context, Image, ImageDescription, Result, Sampler, SamplerDescription, Upload};
+use crate::vulkan::{
+    vk, Context, Image, ImageDescription, ImageRegion, Result, Sampler, SamplerDescription, Upload, VulkanError,
+};
 use std::sync::Arc;
+use terrane_planet::draw::layout::TILES_PER_SIDE;
 use terrane_planet::ground::horizon::HorizonMap;
 use terrane_planet::ground::texture::{decode_slope, texture_side, PatchTexture, MIP_LEVELS};
 use terrane_planet::maps::mip::halved;
+
+/// Slots of an image layer.
+pub(super) const SLOTS_PER_LAYER: u32 = TILES_PER_SIDE * TILES_PER_SIDE;
 
 /// Slopes: half floats, since 16-bit normalised formats need not be filterable.
 const SLOPE_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
@@ -14,12 +21,12 @@ const RELIEF_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
 const ALBEDO_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 
 /// Bytes of the textures of one patch of `cells` cells a side, mip levels included.
-pub(super) fn bytes_of_layer(cells: u32) -> u64 {
+pub(super) fn bytes_of_tile(cells: u32) -> u64 {
     let texels: u64 = (0..MIP_LEVELS).map(|mip| u64::from(texture_side(cells) >> mip).pow(2)).sum();
     texels * (size_of::<[u16; 2]>() + size_of::<[u8; 4]>()) as u64 + u64::from(cells + 1).pow(2) * size_of::<[u16; 2]>() as u64
 }
 
-/// The texture arrays and their free layers.
+/// The texture arrays and their free slots.
 pub struct TexturePool {
     /// Slopes along the patch's two tangents.
     pub slopes: Image,
@@ -29,48 +36,113 @@ pub struct TexturePool {
     pub relief: Image,
     /// Trilinear, clamped.
     pub sampler: Sampler,
+    context: Arc<Context>,
+    cells: u32,
+    most_layers: u32,
     free: Vec<u32>,
 }
 
 impl TexturePool {
-    /// Arrays of `layers` layers for patches of `cells` cells a side.
-    pub(super) fn new(context: &Arc<Context>, cells: u32, layers: u32) -> Result<TexturePool> {
-        let side = texture_side(cells);
-        let array = |name, format, side, mips| {
-            let usage = vk::ImageUsageFlags::SAMPLED;
-            let description =
-                ImageDescription { layers, array: true, mips, ..ImageDescription::new(name, (side, side), format, usage) };
-            Image::new(context, &description)
-        };
-        let slopes = array("slopes", SLOPE_FORMAT, side, MIP_LEVELS)?;
-        let albedo = array("albedo", ALBEDO_FORMAT, side, MIP_LEVELS)?;
-        let relief = array("relief", RELIEF_FORMAT, cells + 1, 1)?;
-        Commands::once(context, "texture layouts", |commands| {
-            commands.ready(&[&slopes, &albedo, &relief].map(|array| array.view().anew(Access::Sampled)))
-        })?;
+    /// Arrays of one layer, that may grow until they have `capacity` slots or as many as the device has layers for, for patches of
+    /// `cells` cells a side.
+    pub(super) fn new(context: &Arc<Context>, cells: u32, capacity: u32) -> Result<TexturePool> {
+        let [slopes, albedo, relief] = arrays(context, cells, 1)?;
+        let mut upload = Upload::new(context, 0);
+        [&slopes, &albedo, &relief].into_iter().for_each(|array| upload.begin_image(array, None));
+        upload.finish()?;
         let sampler = Sampler::new(context, "ground", &SamplerDescription::default())?;
-        Ok(TexturePool { slopes, albedo, relief, sampler, free: (0..layers).rev().collect() })
+        let most_layers = capacity.div_ceil(SLOTS_PER_LAYER).clamp(1, context.limits().max_image_array_layers);
+        let context = context.clone();
+        Ok(TexturePool { slopes, albedo, relief, sampler, context, cells, most_layers, free: slots_of(0, 1) })
     }
 
-    pub(super) fn claim(&mut self) -> Option<u32> {
-        self.free.pop()
+    /// Bytes of the arrays, and the most that they may grow to.
+    pub(super) fn bytes(&self) -> (u64, u64) {
+        let bytes: u64 = [&self.slopes, &self.albedo, &self.relief].map(Image::allocated_bytes).iter().sum();
+        let layers = u64::from(self.slopes.layers());
+        (bytes, bytes.div_ceil(layers) * u64::from(self.most_layers).max(layers))
     }
 
-    pub(super) fn release(&mut self, layer: u32) {
-        self.free.push(layer);
+    /// A free slot. If there is none, the arrays are replaced by larger ones, to which `upload` copies what they hold. `None` at the
+    /// largest size, or where the device has no memory for the next.
+    pub(super) fn claim(&mut self, upload: &mut Upload) -> Result<Option<u32>> {
+        if self.free.is_empty() {
+            self.grow(upload)?;
+        }
+        Ok(self.free.pop())
     }
 
-    pub(super) fn upload(&self, upload: &mut Upload, layer: u32, mips: &TextureMips) -> Result<()> {
+    /// Frees a slot that was claimed.
+    pub(super) fn release(&mut self, slot: u32) {
+        self.free.push(slot);
+    }
+
+    /// Stages slopes and albedo of a slot.
+    pub(super) fn upload(&self, upload: &mut Upload, slot: u32, mips: &TextureMips) -> Result<()> {
         for (mip, level) in mips.levels.iter().enumerate() {
-            upload.image(&self.slopes, layer, mip as u32, &level.slopes)?;
-            upload.image(&self.albedo, layer, mip as u32, &level.albedo)?;
+            let region = region(slot, mip as u32, texture_side(self.cells) >> mip);
+            upload.image_region(&self.slopes, &region, &level.slopes)?;
+            upload.image_region(&self.albedo, &region, &level.albedo)?;
         }
         Ok(())
     }
 
-    pub(super) fn upload_relief(&self, upload: &mut Upload, layer: u32, relief: &Relief) -> Result<()> {
-        upload.image(&self.relief, layer, 0, &relief.texels)
+    /// Stages horizon angles and ambient occlusion of a slot.
+    pub(super) fn upload_relief(&self, upload: &mut Upload, slot: u32, relief: &Relief) -> Result<()> {
+        upload.image_region(&self.relief, &region(slot, 0, self.cells + 1), &relief.texels)
     }
+
+    /// Doubles the layers, as far as that is allowed. Frames under way keep the old arrays.
+    fn grow(&mut self, upload: &mut Upload) -> Result<()> {
+        let layers = self.slopes.layers();
+        let wanted = (2 * layers).min(self.most_layers);
+        if wanted <= layers {
+            return Ok(());
+        }
+        let grown = match arrays(&self.context, self.cells, wanted) {
+            Err(VulkanError::OutOfMemory { what, bytes }) => {
+                let slots = layers * SLOTS_PER_LAYER;
+                tracing::warn!(what, bytes, slots, "no memory for the textures of more patches: the picture stays coarser");
+                self.most_layers = layers;
+                return Ok(());
+            }
+            arrays => arrays?,
+        };
+        for (array, grown) in [&mut self.slopes, &mut self.albedo, &mut self.relief].into_iter().zip(grown) {
+            upload.begin_image(&grown, Some(array));
+            *array = grown;
+        }
+        self.free.extend(slots_of(layers, wanted));
+        Ok(())
+    }
+}
+
+/// Slopes, albedo and relief of so many layers.
+fn arrays(context: &Arc<Context>, cells: u32, layers: u32) -> Result<[Image; 3]> {
+    let array = |name, format, side, mips| {
+        let (side, usage) = (TILES_PER_SIDE * side, vk::ImageUsageFlags::SAMPLED);
+        let description =
+            ImageDescription { layers, array: true, mips, ..ImageDescription::new(name, (side, side), format, usage) };
+        Image::new(context, &description)
+    };
+    let side = texture_side(cells);
+    Ok([
+        array("slopes", SLOPE_FORMAT, side, MIP_LEVELS)?,
+        array("albedo", ALBEDO_FORMAT, side, MIP_LEVELS)?,
+        array("relief", RELIEF_FORMAT, cells + 1, 1)?,
+    ])
+}
+
+/// The slots of some layers, the first last.
+fn slots_of(first: u32, end: u32) -> Vec<u32> {
+    (first * SLOTS_PER_LAYER..end * SLOTS_PER_LAYER).rev().collect()
+}
+
+/// Where a slot's tile of `side` texels a side lies. Twin: `in_layer` of `draw.frag`.
+fn region(slot: u32, mip: u32, side: u32) -> ImageRegion {
+    let tile = slot % SLOTS_PER_LAYER;
+    let origin = (side * (tile % TILES_PER_SIDE), side * (tile / TILES_PER_SIDE));
+    ImageRegion { layer: slot / SLOTS_PER_LAYER, mip, origin, size: (side, side) }
 }
 
 /// Horizon angles and ambient occlusion of a patch, as half floats, and the number of the sun that they are towards.
@@ -151,4 +223,117 @@ fn decode_srgb(code: u8) -> f32 {
 fn encode_srgb(x: f32) -> u8 {
     let encoded = if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 };
     (encoded * 255.0 + 0.5) as u8
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::vulkan::tests::checked::device;
+    use crate::vulkan::{capture, Access};
+
+    const CELLS: u32 = 8;
+
+    /// Textures that differ from slot to slot and texel to texel.
+    fn mips(slot: u32) -> TextureMips {
+        let level = |mip: u32| {
+            let count = (texture_side(CELLS) >> mip).pow(2);
+            // Small halves: none is a NaN, which copies might quieten.
+            let slopes = (0..count).map(|i| [(slot * 7 + i) as u16 % 997, (mip * 100 + i) as u16 % 499]).collect();
+            let albedo = (0..count).map(|i| [slot, i, i / 7, mip].map(|n| n as u8)).collect();
+            MipLevel { slopes, albedo }
+        };
+        TextureMips { levels: (0..MIP_LEVELS).map(level).collect() }
+    }
+
+    fn relief(slot: u32) -> Relief {
+        Relief { texels: (0..(CELLS + 1).pow(2)).map(|i| [slot as u16, i as u16]).collect(), sun: 0 }
+    }
+
+    /// What a slot's tile of an array holds.
+    fn tile(context: &Arc<Context>, array: &Image, slot: u32, mip: u32) -> Vec<u8> {
+        let side = array.mip_size(mip).0 / TILES_PER_SIDE;
+        let ImageRegion { layer, origin: (x, y), .. } = region(slot, mip, side);
+        let captured = capture(context, array, (layer, mip), Access::Sampled).unwrap();
+        let row = |row: u32| captured.bytes[4 * (row * captured.width + x) as usize..][..4 * side as usize].to_vec();
+        (y..y + side).flat_map(row).collect()
+    }
+
+    /// The first slot that does not hold its textures.
+    fn first_wrong(context: &Arc<Context>, pool: &TexturePool, slots: &[u32]) -> Option<u32> {
+        let holds = |&slot: &u32| {
+            let levels = mips(slot).levels;
+            let right = |(mip, level): (usize, &MipLevel)| {
+                tile(context, &pool.slopes, slot, mip as u32) == bytemuck::cast_slice::<_, u8>(&level.slopes)
+                    && tile(context, &pool.albedo, slot, mip as u32) == bytemuck::cast_slice::<_, u8>(&level.albedo)
+            };
+            levels.iter().enumerate().all(right)
+                && tile(context, &pool.relief, slot, 0) == bytemuck::cast_slice::<_, u8>(&relief(slot).texels)
+        };
+        slots.iter().copied().find(|slot| !holds(slot))
+    }
+
+    fn fill(pool: &mut TexturePool, upload: &mut Upload, count: u32) -> Vec<u32> {
+        let claim = |_| {
+            let slot = pool.claim(upload).unwrap()?;
+            pool.upload(upload, slot, &mips(slot)).unwrap();
+            pool.upload_relief(upload, slot, &relief(slot)).unwrap();
+            Some(slot)
+        };
+        (0..count).map_while(claim).collect()
+    }
+
+    #[test]
+    fn slots_are_tiles_of_layers_row_by_row() {
+        let place = |slot| (region(slot, 0, 10).layer, region(slot, 0, 10).origin);
+        assert_eq!([0, 3, 4, 15].map(place), [(0, (0, 0)), (0, (30, 0)), (0, (0, 10)), (0, (30, 30))]);
+        assert_eq!([16, 37].map(place), [(1, (0, 0)), (2, (10, 10))]);
+        let every: Vec<ImageRegion> = (0..40).map(|slot| region(slot, 0, 10)).collect();
+        let apart = |(i, a): (usize, &ImageRegion)| every[..i].iter().all(|b| !a.overlaps(b));
+        assert!(every.iter().enumerate().all(apart));
+        assert!(region(5, 0, 10).overlaps(&ImageRegion { size: (1, 1), ..region(5, 0, 10) }));
+    }
+
+    #[test]
+    fn tiles_are_whole_texels_at_every_mip_level() {
+        for cells in [8, 16, 32, 64, 128] {
+            let (side, mip) = (texture_side(cells), MIP_LEVELS - 1);
+            assert_eq!(side >> mip << mip, side);
+        }
+    }
+
+    #[test]
+    fn growth_keeps_every_tile() {
+        let Some(context) = device() else { return };
+        let mut pool = TexturePool::new(&context, CELLS, 100).unwrap();
+        let (first, most) = pool.bytes();
+        assert!(first >= u64::from(SLOTS_PER_LAYER) * bytes_of_tile(CELLS) && most >= 7 * first, "{first} of {most}");
+        // Three growths, to 2, 4 and 7 layers: the second and third within one batch, the second batch over what the first left.
+        let mut upload = Upload::new(&context, 1 << 16);
+        let mut slots = fill(&mut pool, &mut upload, 20);
+        assert_eq!(pool.slopes.layers(), 2);
+        upload.finish().unwrap();
+        slots.extend(fill(&mut pool, &mut upload, 60));
+        upload.finish().unwrap();
+        assert_eq!((slots.len(), pool.slopes.layers()), (80, 7));
+        assert_eq!(first_wrong(&context, &pool, &slots), None);
+        // Slots that nothing was written to are 0, not what memory held before: not-a-number times a weight of 0 is no 0.
+        assert!(tile(&context, &pool.relief, 100, 0).iter().all(|&byte| byte == 0));
+        // Full: whole layers are used up, then there is none, until one is released.
+        slots.extend(fill(&mut pool, &mut upload, 1000));
+        upload.finish().unwrap();
+        assert_eq!((slots.len(), pool.slopes.layers()), (7 * 16, 7));
+        let (bytes, most) = pool.bytes();
+        assert!(bytes <= most);
+        pool.release(9);
+        assert_eq!((pool.claim(&mut upload).unwrap(), pool.claim(&mut upload).unwrap()), (Some(9), None));
+        // A slot written twice in one batch holds what came last; its neighbours stay.
+        pool.upload_relief(&mut upload, 9, &relief(77)).unwrap();
+        pool.upload_relief(&mut upload, 9, &relief(9)).unwrap();
+        upload.finish().unwrap();
+        assert_eq!(first_wrong(&context, &pool, &slots), None);
+        // The control: a tile that is not as it was uploaded is found.
+        pool.upload_relief(&mut upload, 21, &relief(22)).unwrap();
+        upload.finish().unwrap();
+        assert_eq!(first_wrong(&context, &pool, &slots), Some(21));
+    }
 }

@@ -13,7 +13,7 @@ mod swapchain;
 mod transfers;
 
 #[cfg(test)]
-mod tests;
+pub(crate) mod tests;
 
 pub use ash::vk;
 
@@ -35,7 +35,7 @@ pub use pipelines::layout::{Bindable, Resource};
 pub use pipelines::reflection::{Binding, BindingKind, Reflection};
 pub use pipelines::shader::Shader;
 pub use resources::buffer::{Buffer, Usage};
-pub use resources::image::{Image, ImageDescription, ImageView};
+pub use resources::image::{Image, ImageDescription, ImageRegion, ImageView};
 pub use resources::sampler::{Sampler, SamplerDescription};
 pub use swapchain::{Frame, Swapchain, FRAMES_IN_FLIGHT};
 pub use transfers::capture::{capture, Captured};

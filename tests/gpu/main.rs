@@ -14,6 +14,7 @@ mod layout;
 mod on_demand;
 mod overflow;
 mod stills;
+mod textures;
 mod twins;
 
 // Where `checked` looks for it, here and in the unit tests of the layer.

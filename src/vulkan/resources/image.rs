@@ -40,6 +40,29 @@ impl<'a> ImageDescription<'a> {
     }
 }
 
+/// A rectangle of one layer and mip level of an image, in texels of that level.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct ImageRegion {
+    /// Array layer.
+    pub layer: u32,
+    /// Mip level.
+    pub mip: u32,
+    /// Column and row of the first texel.
+    pub origin: (u32, u32),
+    /// Width and height, 1 or more.
+    pub size: (u32, u32),
+}
+
+impl ImageRegion {
+    /// Whether two regions of one image share a texel.
+    pub(crate) fn overlaps(&self, other: &ImageRegion) -> bool {
+        let meet = |a: u32, a_length: u32, b: u32, b_length: u32| a < b + b_length && b < a + a_length;
+        (self.layer, self.mip) == (other.layer, other.mip)
+            && meet(self.origin.0, self.size.0, other.origin.0, other.size.0)
+            && meet(self.origin.1, self.size.1, other.origin.1, other.size.1)
+    }
+}
+
 /// A 2D image or array of them. Commands keep the images alive that they use.
 pub struct Image {
     view: ImageView,
@@ -150,6 +173,33 @@ impl Image {
     /// Name, as in messages.
     pub fn name(&self) -> &str {
         &self.raw().name
+    }
+
+    /// Bytes of device memory that it takes, all layers and levels.
+    pub fn allocated_bytes(&self) -> u64 {
+        self.raw().allocation.as_ref().map_or(0, Allocation::size)
+    }
+
+    /// All texels of a layer and level.
+    ///
+    /// # Errors
+    /// A layer or level that does not exist.
+    pub fn whole(&self, layer: u32, mip: u32) -> Result<ImageRegion> {
+        self.check(layer, mip)?;
+        Ok(ImageRegion { layer, mip, origin: (0, 0), size: self.mip_size(mip) })
+    }
+
+    /// Bytes of a region, tightly packed. Fails unless the region lies in the image.
+    pub(crate) fn region_bytes(&self, region: &ImageRegion) -> Result<u64> {
+        let ImageRegion { layer, mip, origin, size } = *region;
+        self.check(layer, mip)?;
+        let (width, height) = self.mip_size(mip);
+        let fits = |first: u32, length: u32, end: u32| length > 0 && first.checked_add(length).is_some_and(|last| last <= end);
+        if !fits(origin.0, size.0, width) || !fits(origin.1, size.1, height) {
+            let problem = format!("{size:?} texels at {origin:?} do not lie within level {mip}, {width} × {height} texels");
+            return Err(VulkanError::Access { what: self.name().to_owned(), problem });
+        }
+        Ok(self.layer_bytes(mip)? / (u64::from(width) * u64::from(height)) * u64::from(size.0) * u64::from(size.1))
     }
 
     /// Bytes of one layer of a mip level, tightly packed.

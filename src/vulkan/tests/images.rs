@@ -3,7 +3,8 @@
 use super::device;
 use crate::shaders::test::SQUARE_COMP;
 use crate::vulkan::{
-    capture, vk, Access, Commands, ComputePipeline, Image, ImageDescription, Resource, Sampler, SamplerDescription, Upload,
+    capture, vk, Access, Commands, ComputePipeline, Image, ImageDescription, ImageRegion, Resource, Sampler, SamplerDescription,
+    Upload,
 };
 
 #[test]
@@ -35,6 +36,47 @@ fn every_layer_and_level_comes_back_as_it_was_uploaded() {
             assert_eq!(captured.bytes, texels(layer, mip), "{format:?} {layer} {mip}");
         }
     }
+}
+
+#[test]
+fn a_region_keeps_the_texels_around_it() {
+    let Some(context) = device() else { return };
+    let usage = vk::ImageUsageFlags::SAMPLED;
+    let description =
+        ImageDescription { layers: 2, mips: 2, ..ImageDescription::new("regions", (8, 6), vk::Format::R32_UINT, usage) };
+    let image = Image::new(&context, &description).unwrap();
+    let mut upload = Upload::new(&context, 1024);
+    upload.begin_image(&image, None);
+    let region = |layer, mip, origin, size| ImageRegion { layer, mip, origin, size };
+    upload.image_region(&image, &region(1, 0, (2, 1), (3, 2)), &[1u32; 6]).unwrap();
+    // Overlaps the last, and comes later.
+    upload.image_region(&image, &region(1, 0, (4, 2), (4, 4)), &[2u32; 16]).unwrap();
+    upload.finish().unwrap();
+    upload.image_region(&image, &region(1, 1, (3, 2), (1, 1)), &[3u32]).unwrap();
+    upload.finish().unwrap();
+    let texels = |layer, mip| -> Vec<u32> {
+        let bytes = capture(&context, &image, (layer, mip), Access::Sampled).unwrap().bytes;
+        bytes.chunks_exact(4).map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]])).collect()
+    };
+    let expected = |x: u32, y: u32| {
+        let (first, second) = ((2..5).contains(&x) && (1..3).contains(&y), x >= 4 && y >= 2);
+        if second {
+            2
+        } else {
+            u32::from(first)
+        }
+    };
+    let whole: Vec<u32> = (0..6).flat_map(|y| (0..8).map(move |x| expected(x, y))).collect();
+    assert_eq!(texels(1, 0), whole);
+    assert_eq!((texels(1, 1), texels(0, 0)), ([&[0; 11], [3].as_slice()].concat(), vec![0; 48]));
+    for bad in [region(2, 0, (0, 0), (1, 1)), region(0, 1, (3, 0), (2, 1)), region(0, 0, (0, u32::MAX), (1, 1))] {
+        assert!(upload.image_region(&image, &bad, &vec![0u32; (bad.size.0 * bad.size.1) as usize]).is_err(), "{bad:?}");
+    }
+    assert!(upload.image_region(&image, &region(0, 0, (0, 0), (2, 2)), &[0u32; 3]).is_err(), "too few texels");
+    // Layers go to an image of the same kind alone.
+    let wider = Image::new(&context, &ImageDescription { width: 16, ..description }).unwrap();
+    upload.begin_image(&wider, Some(&image));
+    assert!(upload.finish().is_err());
 }
 
 #[test]

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on should stop")]
 
 #[path = "../../../tests/gpu/checked.rs"]
-mod checked;
+pub(crate) mod checked;
 mod compute;
 mod drawing;
 mod images;

@@ -37,7 +37,7 @@ pub fn capture(context: &Arc<Context>, image: &Image, (layer, mip): (u32, u32), 
     Commands::once(context, "capture", |commands| {
         commands.found(&view, access);
         commands.ready(&[view.to(Access::TransferRead)])?;
-        commands.copy_image_to_buffer(image, layer, mip, (&target, 0))?;
+        commands.copy_image_to_buffer(image, &image.whole(layer, mip)?, (&target, 0))?;
         commands.ready(&[view.to(access)])
     })?;
     let (width, height) = image.mip_size(mip);

@@ -4,12 +4,13 @@ use std::sync::Arc;
 
 use bytemuck::NoUninit;
 
+use crate::vulkan::commands::accesses::Use;
 use crate::vulkan::commands::synchronization::Access;
 use crate::vulkan::commands::Commands;
 use crate::vulkan::device::memory::Memory;
 use crate::vulkan::error::{Result, VulkanError};
 use crate::vulkan::resources::buffer::{Buffer, Usage};
-use crate::vulkan::resources::image::{Image, ImageView};
+use crate::vulkan::resources::image::{Image, ImageRegion, ImageView};
 use crate::vulkan::Context;
 
 /// Offsets in staging memory are multiples of this, as copies to images of every format need.
@@ -21,12 +22,19 @@ pub struct Upload {
     context: Arc<Context>,
     chunk_bytes: u64,
     chunks: Vec<Chunk>,
-    copies: Vec<Copy>,
+    steps: Vec<Step>,
 }
 
 struct Chunk {
     buffer: Buffer,
     used: u64,
+}
+
+/// What is to be recorded, in this order.
+enum Step {
+    Copy(Copy),
+    /// An image to be begun, with the layers of another.
+    Begin(Image, Option<Image>),
 }
 
 struct Copy {
@@ -38,25 +46,20 @@ struct Copy {
 
 enum Target {
     Buffer(Buffer, u64),
-    Layer(Layer),
-}
-
-struct Layer {
-    image: Image,
-    view: ImageView,
-    layer: u32,
-    mip: u32,
+    /// A whole layer and level, and its view.
+    Layer(Image, ImageRegion, ImageView),
+    Region(Image, ImageRegion),
 }
 
 impl Upload {
     /// Creates an empty batch that allocates `chunk_bytes` (at least) at a time.
     pub fn new(context: &Arc<Context>, chunk_bytes: u64) -> Self {
-        Self { context: context.clone(), chunk_bytes, chunks: Vec::new(), copies: Vec::new() }
+        Self { context: context.clone(), chunk_bytes, chunks: Vec::new(), steps: Vec::new() }
     }
 
     /// Bytes staged and not yet recorded.
     pub fn staged_bytes(&self) -> u64 {
-        self.copies.iter().map(|copy| copy.bytes).sum()
+        self.steps.iter().map(|step| if let Step::Copy(copy) = step { copy.bytes } else { 0 }).sum()
     }
 
     /// Stages `data` for byte `offset` of a buffer.
@@ -79,15 +82,25 @@ impl Upload {
     /// # Errors
     /// A layer or level that does not exist, texels of another size, or out of memory.
     pub fn image<T: NoUninit>(&mut self, image: &Image, layer: u32, mip: u32, texels: &[T]) -> Result<()> {
-        let bytes: &[u8] = bytemuck::cast_slice(texels);
-        let view = image.layer_view(layer, mip)?;
-        let expected = image.layer_bytes(mip)?;
-        if bytes.len() as u64 != expected {
-            let problem = format!("{} bytes of texels; level {mip} has {expected}", bytes.len());
-            return Err(VulkanError::Access { what: image.name().to_owned(), problem });
-        }
-        let image = image.share();
-        self.stage(bytes, Target::Layer(Layer { image, view, layer, mip }))
+        let region = image.whole(layer, mip)?;
+        let bytes = bytes_of_region(image, &region, texels)?;
+        self.stage(bytes, Target::Layer(image.share(), region, image.layer_view(layer, mip)?))
+    }
+
+    /// Stages the tightly packed texels of a region of an image that was last used as [`Access::Sampled`], and is left ready for
+    /// that again. Its other texels stay. Do not mix with [`Upload::image`] for the same image in one batch.
+    ///
+    /// # Errors
+    /// A region that does not lie in the image, texels of another size, or out of memory.
+    pub fn image_region<T: NoUninit>(&mut self, image: &Image, region: &ImageRegion, texels: &[T]) -> Result<()> {
+        let bytes = bytes_of_region(image, region, texels)?;
+        self.stage(bytes, Target::Region(image.share(), *region))
+    }
+
+    /// Stages the beginning of a new colour image: its first layers are those of `from`, of the same size, format and levels and
+    /// last used as [`Access::Sampled`]; all other texels are 0. Both are left ready to be sampled.
+    pub fn begin_image(&mut self, image: &Image, from: Option<&Image>) {
+        self.steps.push(Step::Begin(image.share(), from.map(Image::share)));
     }
 
     /// Records all copies, with barriers before and after; the batch is empty again. Commands recorded later see the data.
@@ -95,27 +108,22 @@ impl Upload {
     /// # Errors
     /// Not recording, or rendering.
     pub fn record(&mut self, commands: &mut Commands) -> Result<()> {
-        if self.copies.is_empty() {
+        if self.steps.is_empty() {
             return Ok(());
         }
         let all = ash::vk::PipelineStageFlags2::ALL_COMMANDS;
         let (write, read) = (ash::vk::AccessFlags2::MEMORY_WRITE, ash::vk::AccessFlags2::MEMORY_READ);
         commands.memory_barrier(all, write, all, read | write)?;
-        for copy in &self.copies {
-            let from = (&self.chunks[copy.chunk].buffer, copy.offset);
-            match &copy.target {
-                Target::Buffer(buffer, offset) => {
-                    commands.copy_buffer(from, (buffer, *offset), copy.bytes)?;
-                }
-                Target::Layer(Layer { image, view, layer, mip }) => {
-                    commands.ready(&[view.anew(Access::TransferWrite)])?;
-                    commands.copy_buffer_to_image(from, image, *layer, *mip)?;
-                    commands.ready(&[view.to(Access::Sampled)])?;
-                }
+        let mut filling = Filling::default();
+        for step in &self.steps {
+            match step {
+                Step::Copy(copy) => copy.record((&self.chunks[copy.chunk].buffer, copy.offset), commands, &mut filling)?,
+                Step::Begin(image, from) => filling.begin(commands, image, from.as_ref())?,
             }
         }
+        filling.end(commands)?;
         commands.memory_barrier(all, write, all, read | write)?;
-        self.copies.clear();
+        self.steps.clear();
         self.chunks.clear();
         Ok(())
     }
@@ -125,7 +133,7 @@ impl Upload {
     /// # Errors
     /// Those of [`Commands::wait`].
     pub fn finish(&mut self) -> Result<()> {
-        if self.copies.is_empty() {
+        if self.steps.is_empty() {
             return Ok(());
         }
         let context = self.context.clone();
@@ -144,8 +152,98 @@ impl Upload {
         let index = self.chunks.len() - 1;
         let chunk = &mut self.chunks[index];
         chunk.buffer.write(chunk.used, data)?;
-        self.copies.push(Copy { chunk: index, offset: chunk.used, bytes, target });
+        self.steps.push(Step::Copy(Copy { chunk: index, offset: chunk.used, bytes, target }));
         chunk.used = (chunk.used + bytes).next_multiple_of(ALIGNMENT);
         Ok(())
     }
+}
+
+impl Copy {
+    fn record(&self, from: (&Buffer, u64), commands: &mut Commands, filling: &mut Filling) -> Result<()> {
+        match &self.target {
+            Target::Buffer(buffer, offset) => commands.copy_buffer(from, (buffer, *offset), self.bytes),
+            Target::Layer(image, region, view) => {
+                commands.ready(&[view.anew(Access::TransferWrite)])?;
+                commands.copy_buffer_to_image(from, image, region)?;
+                commands.ready(&[view.to(Access::Sampled)])
+            }
+            Target::Region(image, region) => {
+                filling.ready(commands, image, region)?;
+                commands.copy_buffer_to_image(from, image, region)
+            }
+        }
+    }
+}
+
+/// The images that a batch writes regions of, and the regions written since each image's last barrier: a batch of tiles takes one
+/// transition of the whole image before and one after it.
+#[derive(Default)]
+struct Filling {
+    images: Vec<(Image, Vec<ImageRegion>)>,
+}
+
+impl Filling {
+    /// Makes an image ready for a write of a region.
+    fn ready(&mut self, commands: &mut Commands, image: &Image, region: &ImageRegion) -> Result<()> {
+        let number = match self.number(image) {
+            Some(number) => number,
+            None => {
+                commands.found(image.view(), Access::Sampled);
+                commands.ready(&[image.view().to(Access::TransferWrite)])?;
+                self.images.push((image.share(), Vec::new()));
+                self.images.len() - 1
+            }
+        };
+        let written = &mut self.images[number].1;
+        if written.iter().any(|earlier| earlier.overlaps(region)) {
+            commands.ready(&[image.view().to(Access::TransferWrite)])?;
+            written.clear();
+        }
+        written.push(*region);
+        Ok(())
+    }
+
+    /// Begins a new image with the layers of another, which this is done with.
+    fn begin(&mut self, commands: &mut Commands, image: &Image, from: Option<&Image>) -> Result<()> {
+        commands.ready(&[image.view().anew(Access::TransferWrite)])?;
+        if let Some(from) = from {
+            match self.number(from) {
+                Some(number) => drop(self.images.swap_remove(number)),
+                None => commands.found(from.view(), Access::Sampled),
+            }
+            commands.ready(&[from.view().to(Access::TransferRead)])?;
+            commands.copy_image(from, image)?;
+            commands.ready(&[from.view().to(Access::Sampled)])?;
+        }
+        let copied = from.map_or(0, Image::layers);
+        if copied < image.layers() {
+            commands.clear_layers(image, copied..image.layers())?;
+        }
+        // Regions may lie in what was just written.
+        commands.ready(&[image.view().to(Access::TransferWrite)])?;
+        self.images.push((image.share(), Vec::new()));
+        Ok(())
+    }
+
+    /// Makes all images ready to be sampled.
+    fn end(self, commands: &mut Commands) -> Result<()> {
+        let uses: Vec<Use<'_>> = self.images.iter().map(|(image, _)| image.view().to(Access::Sampled)).collect();
+        commands.ready(&uses)
+    }
+
+    fn number(&self, image: &Image) -> Option<usize> {
+        self.images.iter().position(|(other, _)| other.raw().handle == image.raw().handle)
+    }
+}
+
+/// The bytes of a region's texels. Fails unless the region lies in the image and they fill it.
+fn bytes_of_region<'a, T: NoUninit>(image: &Image, region: &ImageRegion, texels: &'a [T]) -> Result<&'a [u8]> {
+    let bytes: &[u8] = bytemuck::cast_slice(texels);
+    let expected = image.region_bytes(region)?;
+    if bytes.len() as u64 == expected {
+        return Ok(bytes);
+    }
+    let (ImageRegion { mip, size: (width, height), .. }, found) = (region, bytes.len());
+    let problem = format!("{found} bytes of texels; {width} × {height} texels of level {mip} have {expected}");
+    Err(VulkanError::Access { what: image.name().to_owned(), problem })
 }

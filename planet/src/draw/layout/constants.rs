@@ -27,8 +27,10 @@ shared_constants! {
     CULL_BACK: u32 = 2;
     /// Relative rounding error below which a triangle seen edge-on still counts as facing the eye.
     BACK_SLACK: f32 = 1e-5;
-    /// Texture layer of a patch without one.
-    NO_LAYER: u32 = u32::MAX;
+    /// Texture slot of a patch without one.
+    NO_SLOT: u32 = u32::MAX;
+    /// Texture tiles along a side of an image layer: slot s is tile s mod T² of layer s / T², row by row.
+    TILES_PER_SIDE: u32 = 4;
     /// Sea level of a planet without a sea.
     NO_SEA: f32 = -1e30;
     /// Bits of an emitted index that name the vertex; the rest name the patch.

@@ -64,10 +64,10 @@ gpu_structs! {
         coarser_sides: u32,
         /// Quadtree level.
         level: u32,
-        /// Texture layer.
-        layer: u32,
-        /// Texture layer of the parent patch, or NO_LAYER.
-        parent_layer: u32,
+        /// Texture slot.
+        slot: u32,
+        /// Texture slot of the parent patch, or NO_SLOT.
+        parent_slot: u32,
         /// Which quarter of the parent it is, as column and row.
         quarter: [u32; 2],
         /// Distance in metres at which its own texture begins to fade in over the parent's.
