@@ -102,3 +102,33 @@ impl Budget {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn budgets_hold_whole_layers_and_more_patches_than_the_device_has_layers() {
+        let layers = 2048;
+        for cells in [8, 32, 128] {
+            let tile = textures::bytes_of_tile(cells);
+            for gpu_bytes in [100 << 20, 1 << 30, 3 << 30, 20 << 30, 1 << 40] {
+                let options = SceneOptions { gpu_bytes, host_bytes: u64::MAX, ..SceneOptions::default() };
+                let capacity = Budget::new(&options, cells, u32::MAX, layers).capacity;
+                let slots = u64::from(capacity.next_multiple_of(textures::SLOTS_PER_LAYER));
+                let bytes = u64::from(capacity) * resident::bytes_of_patch(cells) + slots * tile;
+                assert!(bytes <= gpu_bytes, "{cells} cells, {gpu_bytes} bytes: {capacity} patches take {bytes}");
+                assert!(capacity <= 16 * layers);
+                let next = bytes + u64::from(textures::SLOTS_PER_LAYER) * tile + resident::bytes_of_patch(cells);
+                assert!(
+                    next > gpu_bytes || capacity == 16 * layers,
+                    "{cells} cells, {gpu_bytes} bytes: more than {capacity} fit"
+                );
+            }
+        }
+        let all = SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, ..SceneOptions::default() };
+        assert_eq!(Budget::new(&all, 128, u32::MAX, layers).capacity, 16 * layers);
+        let mesh = SceneOptions::whole_mesh();
+        assert_eq!(Budget::new(&mesh, 128, 70_000, layers).capacity, 70_000);
+    }
+}

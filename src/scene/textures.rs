@@ -67,7 +67,8 @@ impl TexturePool {
     /// largest size, or where the device has no memory for the next.
     pub(super) fn claim(&mut self, upload: &mut Upload) -> Result<Option<u32>> {
         if self.free.is_empty() {
-            self.grow(upload)?;
+            let (context, cells) = (self.context.clone(), self.cells);
+            self.grow(upload, |layers| arrays(&context, cells, layers))?;
         }
         Ok(self.free.pop())
     }
@@ -92,14 +93,14 @@ impl TexturePool {
         upload.image_region(&self.relief, &region(slot, 0, self.cells + 1), &relief.texels)
     }
 
-    /// Doubles the layers, as far as that is allowed. Frames under way keep the old arrays.
-    fn grow(&mut self, upload: &mut Upload) -> Result<()> {
+    /// Doubles the layers, as far as that is allowed and `create` finds memory for them. Frames under way keep the old arrays.
+    fn grow(&mut self, upload: &mut Upload, create: impl FnOnce(u32) -> Result<[Image; 3]>) -> Result<()> {
         let layers = self.slopes.layers();
         let wanted = (2 * layers).min(self.most_layers);
         if wanted <= layers {
             return Ok(());
         }
-        let grown = match arrays(&self.context, self.cells, wanted) {
+        let grown = match create(wanted) {
             Err(VulkanError::OutOfMemory { what, bytes }) => {
                 let slots = layers * SLOTS_PER_LAYER;
                 tracing::warn!(what, bytes, slots, "no memory for the textures of more patches: the picture stays coarser");
@@ -299,6 +300,27 @@ mod tests {
             let (side, mip) = (texture_side(cells), MIP_LEVELS - 1);
             assert_eq!(side >> mip << mip, side);
         }
+    }
+
+    #[test]
+    fn without_memory_to_grow_a_pool_keeps_what_it_holds() {
+        let Some(context) = device() else { return };
+        let mut pool = TexturePool::new(&context, CELLS, 100).unwrap();
+        let mut upload = Upload::new(&context, 1 << 16);
+        let slots = fill(&mut pool, &mut upload, SLOTS_PER_LAYER);
+        let lost = || Err(VulkanError::DeviceLost { zone: String::new() });
+        assert!(pool.grow(&mut upload, |_| lost()).is_err(), "other errors are told");
+        let none = |layers| {
+            assert_eq!(layers, 2);
+            Err(VulkanError::OutOfMemory { what: "slopes".to_owned(), bytes: 0 })
+        };
+        pool.grow(&mut upload, none).unwrap();
+        // Nor is it tried again.
+        assert_eq!((pool.claim(&mut upload).unwrap(), pool.slopes.layers()), (None, 1));
+        upload.finish().unwrap();
+        assert_eq!(first_wrong(&context, &pool, &slots), None);
+        pool.release(3);
+        assert_eq!(pool.claim(&mut upload).unwrap(), Some(3));
     }
 
     #[test]

@@ -87,7 +87,7 @@ shared_constants! {
     TEXT_POSITION_BITS: u32 = 10;
 }
 
-/// Most patches a frame can draw (the rest of an emitted index, short of the restart value).
+/// Most patches a frame can draw, 131,071: the rest of an emitted index, short of the restart value.
 pub const MAX_PATCHES: u32 = (1 << (32 - VERTEX_BITS)) - 1;
 /// Triangles a workgroup emits.
 pub const EMIT_CHUNK: u32 = 256;
