@@ -11,7 +11,7 @@ use terrane_planet::verify::SurfaceReport;
 
 /// What a view draws when nothing is missing.
 fn complete(planet: &Planet, view: &View) -> Cut {
-    cut_in_sight(&planet.tree, view, false, &|_| true)
+    cut_in_sight(&planet.tree, view, false, 1.0, &|_| true)
 }
 
 /// The whole faces, and four of five other patches, never mind their ancestors.
@@ -66,7 +66,7 @@ fn where_patches_are_missing_no_crack_can_be_seen_either() {
     let mut coarser = 0;
     for (k, view) in views(&planet, &FIELD, 40).iter().enumerate() {
         let resident = some(k);
-        let cut = cut_in_sight(&planet.tree, view, false, &resident);
+        let cut = cut_in_sight(&planet.tree, view, false, 1.0, &resident);
         assert!(cut.leaves.iter().all(|leaf| resident(leaf.id)), "view {k} draws what is not there");
         let (report, _) = seen_report(&planet, view, &cut, false);
         assert_eq!((report.cracks, report.flipped), (0, 0), "view {k}: {:?}", view.camera);
@@ -82,7 +82,7 @@ fn a_picture_needs_only_the_patches_that_it_draws() {
     for view in views(&planet, &FIELD, 40) {
         let whole = complete(&planet, &view);
         let drawn: HashSet<PatchId> = whole.leaves.iter().map(|leaf| leaf.id).collect();
-        let cut = cut_in_sight(&planet.tree, &view, false, &|id| drawn.contains(&id));
+        let cut = cut_in_sight(&planet.tree, &view, false, 1.0, &|id| drawn.contains(&id));
         assert!(cut.leaves == whole.leaves && cut.wanted.is_empty());
         without_ancestors += usize::from(drawn.iter().any(|id| id.level > 1));
     }
@@ -98,7 +98,7 @@ fn finer_patches_stand_in_for_a_missing_one() {
         let Some(gone) = whole.leaves.iter().map(|leaf| leaf.id).find(|&id| id.level > 0 && planet.tree.can_split(id)) else {
             continue;
         };
-        let cut = cut_in_sight(&planet.tree, &view, false, &|id| id != gone);
+        let cut = cut_in_sight(&planet.tree, &view, false, 1.0, &|id| id != gone);
         assert!(cut.leaves.iter().all(|leaf| leaf.id != gone) && cut.wanted.iter().any(|(id, _)| *id == gone));
         let (report, _) = seen_report(&planet, &view, &cut, false);
         assert_eq!((report.cracks, report.flipped), (0, 0), "{:?}", view.camera);
@@ -114,7 +114,7 @@ fn what_is_in_sight_stays_within_the_tolerance() {
         // The judge's own surface covers the whole planet.
         let partly = |id| some(k)(id) || !is_in_sight(&planet.tree, &view, id);
         let resident: &dyn Fn(PatchId) -> bool = if k % 2 == 0 { &|_| true } else { &partly };
-        let cut = cut_in_sight(&planet.tree, &view, false, resident);
+        let cut = cut_in_sight(&planet.tree, &view, false, 1.0, resident);
         (view, error_of(&planet, &view, &cut, resident, &|_, _, _| ()))
     });
     let share = worst_share(measured, &AT_SAMPLES);

@@ -30,7 +30,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
-use terrane_planet::draw::cut::{cut, cut_in_sight, shows_through, Cut};
+use terrane_planet::draw::cut::{cut, cut_by, cut_in_sight, shows_through, urgency_within, Cut};
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
@@ -44,8 +44,12 @@ use thiserror::Error;
 /// Bytes staged at a time.
 const UPLOAD_CHUNK: u64 = 8 << 20;
 
-/// Updates for which nothing is asked for after a patch was turned away.
-const PATIENCE: u64 = 60;
+/// How much nearer patches split each time that one was turned away, all resident ones being in use.
+const NEARER: f64 = 0.7;
+
+/// How much farther they split again in every frame in which less than so much of the room is taken.
+const FARTHER: f64 = 1.02;
+const ROOMY: f64 = 0.6;
 
 /// Patches of which something is known, past which those that nothing needs any more are forgotten.
 const MOST_KNOWN: usize = 100_000;
@@ -112,8 +116,10 @@ pub struct Scene {
     scope: Scope,
     frame: u64,
     settled: bool,
-    /// The update in which a patch was last turned away, because all resident ones were in use.
-    full_at: Option<u64>,
+    /// Whether a patch was turned away since the cut was last chosen, because all resident ones were in use.
+    full: bool,
+    /// Share of the distances at which patches should split within which they do: 1 as long as all that views want fits.
+    share: f64,
 }
 
 impl Scene {
@@ -178,7 +184,8 @@ impl Scene {
             scope: options.scope,
             frame: 0,
             settled: false,
-            full_at: None,
+            full: false,
+            share: 1.0,
         };
         while scene.resident.len() < 6 {
             let arrived = scene.loader.wait(Duration::from_secs(60))?;
@@ -310,18 +317,19 @@ impl Scene {
 
     /// Computes the cut of a view from what is resident, and asks for what it lacks.
     pub fn choose(&mut self, view: &View) -> Cut {
+        self.keep_within_budget();
         let drawable = |id| self.mesh(id).is_some();
         let cut = match self.scope {
-            Scope::Whole => cut(&self.tree, view, &drawable),
-            Scope::Still | Scope::Flight => cut_in_sight(&self.tree, view, self.scope == Scope::Flight, &drawable),
+            Scope::Whole => cut_by(&self.tree, &|id, node| urgency_within(&self.tree, view, id, node, self.share), &drawable),
+            Scope::Still | Scope::Flight => cut_in_sight(&self.tree, view, self.scope == Scope::Flight, self.share, &drawable),
         };
         self.ground.follow(&cut);
         let (stale, untextured) = (self.stale(&cut), self.untextured(view, &cut));
         let complete = cut.wanted.is_empty() && untextured.is_empty();
-        self.settled = stale.is_empty() && (complete || self.full_at.is_some());
+        self.settled = stale.is_empty() && complete;
         self.mark_used(&cut);
         let mut orders = self.orders(view, &cut, &untextured);
-        if self.scope == Scope::Flight && complete {
+        if self.scope == Scope::Flight && complete && self.is_roomy() {
             orders.extend(self.surroundings(view));
         }
         // Shape before light.
@@ -329,6 +337,24 @@ impl Scene {
         self.loader.request(orders);
         self.forget_unused(&cut);
         cut
+    }
+
+    /// Where not all fits that the view wants, patches split nearer, until it does.
+    fn keep_within_budget(&mut self) {
+        if std::mem::take(&mut self.full) {
+            self.share *= NEARER;
+        } else if self.is_roomy() {
+            self.share = (self.share * FARTHER).min(1.0);
+        }
+    }
+
+    fn is_roomy(&self) -> bool {
+        (self.resident.len() as f64) < ROOMY * self.capacity as f64
+    }
+
+    /// Whether the latest picture is coarser than its view wants, because no more fits.
+    pub fn is_limited(&self) -> bool {
+        self.share < 1.0
     }
 
     /// Parents of drawn patches whose textures show through and are not resident.
@@ -343,10 +369,6 @@ impl Scene {
 
     /// What the workers are to do for a view.
     fn orders(&self, view: &View, cut: &Cut, untextured: &HashSet<PatchId>) -> Vec<Order> {
-        // What was just turned away would be again: it is not read and decoded anew for every frame.
-        if self.full_at.is_some_and(|at| self.frame < at + PATIENCE) {
-            return Vec::new();
-        }
         let snapshot = Arc::new(*view);
         let order = |&(id, urgency): &(PatchId, f64)| {
             let known = self.tree.get(id).is_some();
@@ -386,11 +408,11 @@ impl Scene {
 
     /// [`Scene::settle`], telling now and then how many patches are on the GPU, and how many more are pending so far.
     pub fn settle_showing(&mut self, view: &View, show: &mut dyn FnMut(usize, usize)) -> Result<Cut, SceneError> {
-        self.full_at = None;
+        (self.full, self.share) = (false, 1.0);
         loop {
             let cut = self.update(view, usize::MAX)?;
             if self.settled {
-                if self.full_at.is_some() {
+                if self.is_limited() {
                     tracing::warn!(capacity = self.capacity, "the view wants more patches than fit: the picture is coarser");
                 }
                 return Ok(cut);
@@ -445,12 +467,12 @@ impl Scene {
             return Ok(());
         }
         if patch.is_none() && self.resident.len() >= self.capacity && !self.evict() {
-            self.full_at = Some(self.frame);
+            self.full = true;
             return Ok(());
         }
         let slot = if texture.is_some() { self.claim_slot(upload)? } else { None };
         if texture.is_some() && slot.is_none() {
-            self.full_at = Some(self.frame);
+            self.full = true;
             return Ok(());
         }
         let mut patch = self.resident.remove(&id).unwrap_or_default();

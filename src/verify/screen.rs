@@ -53,7 +53,7 @@ impl Perturbation {
         let resident = |id| self.is_resident(tree, id, k);
         match self {
             Perturbation::None | Perturbation::Missing => return cut(tree, view, &resident),
-            Perturbation::InSight => return cut_in_sight(tree, view, false, &resident),
+            Perturbation::InSight => return cut_in_sight(tree, view, false, 1.0, &resident),
             Perturbation::OverSplit => {}
         }
         let eager = |id: PatchId, node: &PatchNode| {

@@ -34,13 +34,16 @@ struct Shown {
 
 struct Studio {
     scene: Scene,
+    /// All of the planet, for rays: what is drawn is only what is in sight.
+    whole: Scene,
     headless: Headless,
 }
 
 impl Studio {
     fn new(context: &std::sync::Arc<Context>) -> Studio {
         let scene = Scene::open(context, planet_file(), SceneOptions::default()).unwrap();
-        Studio { scene, headless: Headless::new(context, (SIZE[0], SIZE[1])).unwrap() }
+        let whole = Scene::open(context, planet_file(), SceneOptions::whole_mesh()).unwrap();
+        Studio { scene, whole, headless: Headless::new(context, (SIZE[0], SIZE[1])).unwrap() }
     }
 
     fn radius(&self) -> f64 {
@@ -50,20 +53,21 @@ impl Studio {
     /// A camera so many metres above the ground, or the sea, of a site.
     fn above(&self, site: DVec3, metres: f64, pitch: f64, fov: f64) -> Camera {
         // Above the ground that is known so far, and above that of finer patches.
-        let known = self.scene.ground().height_at(site).unwrap();
+        let known = self.whole.ground().height_at(site).unwrap();
         let surface = known.max(self.scene.planet().surface_height(site));
         Camera::looking(site * (self.radius() + surface + metres), 30.0, pitch, fov, SIZE)
     }
 
     fn highest_site(&self) -> DVec3 {
         let grid = |k: i32| DVec3::new(f64::from(k % 20) - 9.5, f64::from(k / 20 % 20) - 9.5, f64::from(k / 400) - 4.5);
-        let height = |site: &DVec3| self.scene.ground().height_at(*site).unwrap();
+        let height = |site: &DVec3| self.whole.ground().height_at(*site).unwrap();
         (0..4000).map(|k| grid(k).normalize()).max_by(|a, b| height(a).total_cmp(&height(b))).unwrap()
     }
 
     fn show(&mut self, camera: Camera, name: &str) -> Shown {
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();
+        self.whole.settle(&view).unwrap();
         let sun = sun_over(camera.position.normalize_or(DVec3::X), 135.0, 35.0);
         let look = Look::daylight(sun);
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
@@ -85,7 +89,7 @@ impl Studio {
         let (mut ground, mut wrong, mut near, mut count) = (0.0, 0.0, 0.0, 0.0);
         for (k, &distance) in shown.distances.iter().enumerate().step_by(7) {
             let ray = pixel_ray(camera, k);
-            let hit = self.scene.ground().known.raycast(camera.position, ray).map(|hit| hit.distance / ray.length());
+            let hit = self.whole.ground().known.raycast(camera.position, ray).map(|hit| hit.distance / ray.length());
             count += 1.0;
             ground += f64::from(u8::from(distance.is_finite()));
             wrong += f64::from(u8::from(hit.is_some() != distance.is_finite()));

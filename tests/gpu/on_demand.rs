@@ -115,15 +115,20 @@ fn a_small_gpu_budget_is_kept_by_a_coarser_picture() {
     let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
     let path = file(folder.path(), &planet, Some(0));
     let mut whole = Scene::open(&context, &path, building(&planet, None)).unwrap();
-    for gpu_bytes in [0, 1_000_000, 2_000_000, 4_000_000] {
+    let mut coarser = 0;
+    for gpu_bytes in [0, 100_000, 400_000, 4_000_000] {
         let mut tight = Scene::open(&context, &path, SceneOptions { gpu_bytes, ..building(&planet, None) }).unwrap();
         for view in views(&planet) {
             let (coarse, fine) = (drawn(&context, &mut tight, &view), drawn(&context, &mut whole, &view));
-            assert!(!coarse.is_empty() && coarse.len() < fine.len(), "{} of {} triangles", coarse.len(), fine.len());
+            assert!(!coarse.is_empty() && coarse.len() <= fine.len(), "{} of {} triangles", coarse.len(), fine.len());
+            coarser += usize::from(coarse.len() < fine.len());
+            // A picture that fits loses nothing.
+            assert!(coarse == fine || tight.is_limited(), "{} of {} triangles", coarse.len(), fine.len());
             let (used, most) = tight.gpu_bytes();
-            assert!(used <= most && tight.resident_count() < whole.resident_count(), "{used} of {most} bytes");
+            assert!(used <= most, "{used} of {most} bytes");
         }
     }
+    assert!(coarser >= 2, "{coarser} pictures are coarser");
 }
 
 #[test]
@@ -132,14 +137,17 @@ fn a_small_host_budget_is_kept_by_a_coarser_picture() {
     let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
     let path = file(folder.path(), &planet, Some(0));
     let mut whole = Scene::open(&context, &path, building(&planet, None)).unwrap();
+    let mut coarser = 0;
     for host_bytes in [0, 1_000_000] {
         let mut tight = Scene::open(&context, &path, SceneOptions { host_bytes, ..building(&planet, None) }).unwrap();
         for view in views(&planet) {
             let (coarse, fine) = (drawn(&context, &mut tight, &view), drawn(&context, &mut whole, &view));
-            assert!(!coarse.is_empty() && coarse.len() < fine.len(), "{} of {} triangles", coarse.len(), fine.len());
+            assert!(!coarse.is_empty() && coarse.len() <= fine.len(), "{} of {} triangles", coarse.len(), fine.len());
+            coarser += usize::from(coarse.len() < fine.len());
             let (used, most) = tight.host_bytes();
-            assert!(used <= most && tight.resident_count() < whole.resident_count(), "{used} of {most} bytes");
+            assert!(used <= most, "{used} of {most} bytes");
             assert!(host_bytes == 0 || most <= host_bytes, "{most} bytes where {host_bytes} are allowed");
         }
     }
+    assert!(coarser >= 1, "{coarser} pictures are coarser");
 }

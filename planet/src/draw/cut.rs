@@ -78,12 +78,12 @@ pub fn cut(tree: &PatchTree, view: &View, resident: &dyn Fn(PatchId) -> bool) ->
 }
 
 /// The cut of what is in sight: nothing is said of other patches, and none of them need be resident or known. With `underfoot` the ground
-/// below the eye counts as in sight.
+/// below the eye counts as in sight. Patches split within `share` of the distances at which they should, 1 unless memory is short.
 ///
 /// Borders are canonical, so where nothing is drawn behind a side no crack can be seen there, and that side counts as one with a neighbour
 /// of the same level: the finest that the patch can be.
-pub fn cut_in_sight(tree: &PatchTree, view: &View, underfoot: bool, resident: &dyn Fn(PatchId) -> bool) -> Cut {
-    let urgency = |id: PatchId, node: &PatchNode| urgency(tree, view, id.level, node);
+pub fn cut_in_sight(tree: &PatchTree, view: &View, underfoot: bool, share: f64, resident: &dyn Fn(PatchId) -> bool) -> Cut {
+    let urgency = |id: PatchId, node: &PatchNode| urgency_within(tree, view, id, node, share);
     let below = |space: &Space| underfoot && view.eye.dot(space.centre) >= view.eye.length() * space.spread;
     Search::new(tree, &urgency, &|space| is_visible(tree, view, space) || below(space), resident).run()
 }
@@ -118,6 +118,16 @@ pub fn urgency(tree: &PatchTree, view: &View, level: u8, node: &PatchNode) -> f6
         return closure;
     }
     closure.min(seen)
+}
+
+/// The [`urgency`] of a patch where patches split only within a share of the distances at which they should. One around the viewer has no
+/// distance that could be too far: as the share falls, the finest of those stop splitting first.
+pub fn urgency_within(tree: &PatchTree, view: &View, id: PatchId, node: &PatchNode, share: f64) -> f64 {
+    let urgency = urgency(tree, view, id.level, node);
+    if share >= 1.0 {
+        return urgency;
+    }
+    urgency.max(0.5f64.powi(24 - i32::from(id.level))) / share
 }
 
 /// Finds the ideal cut, then the nearest to it that can be drawn.
