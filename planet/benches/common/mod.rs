@@ -14,10 +14,16 @@ const CELLS: u32 = 128;
 pub(crate) const LEVELS: [u8; 4] = [0, 5, 10, 17];
 
 /// A shipped planet.
+#[allow(dead_code, reason = "one benchmark chooses the grid")]
 pub(crate) fn planet(name: &str) -> Planet {
+    grid_of(name, CELLS)
+}
+
+/// A shipped planet with patches of so many cells a side.
+pub(crate) fn grid_of(name: &str, cells: u32) -> Planet {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("recipes/{name}.toml"));
     let recipe = Recipe::load(&path).unwrap_or_else(|e| panic!("{e}"));
-    Planet::from_recipe(recipe, CELLS).unwrap_or_else(|e| panic!("{e}"))
+    Planet::from_recipe(recipe, cells).unwrap_or_else(|e| panic!("{e}"))
 }
 
 /// Patches of a level at sites named for what terra has there.

@@ -1,0 +1,75 @@
+//! What the parts of one patch cost, and of its horizon map, at the grid that is shipped: milliseconds on one core, the best of some
+//! runs, on average over sites and levels. Prints Markdown.
+//!
+//! `cargo bench -p terrane-planet --bench parts`; `-- 128` for another grid.
+
+mod common;
+
+use common::{grid_of, patches, LEVELS};
+use std::hint::black_box;
+use std::time::Instant;
+use terrane_planet::globe::patch::{PatchId, Side};
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::ground::horizon::{HorizonMap, WideGrids};
+use terrane_planet::ground::texture::PatchTexture;
+use terrane_planet::ground::HeightGrid;
+use terrane_planet::mesh::border::BorderLine;
+use terrane_planet::mesh::border_rules::BorderRules;
+use terrane_planet::mesh::builder::build;
+use terrane_planet::mesh::certificate::KAPPA_BUILD;
+use terrane_planet::mesh::surface::Surface;
+use terrane_planet::planet::Planet;
+
+/// Best of so many.
+const RUNS: usize = 7;
+
+const PARTS: [&str; 8] =
+    ["heights", "surface", "border rules", "child wake", "collapses", "texture", "whole patch", "horizon map"];
+
+/// Milliseconds of the best run of a part of a patch; what it takes is prepared by `given`, which does not count.
+fn best_of<G, T>(mut given: impl FnMut() -> G, mut work: impl FnMut(G) -> T) -> f64 {
+    let mut time = || {
+        let given = given();
+        let start = Instant::now();
+        black_box(work(given));
+        start.elapsed().as_secs_f64() * 1e3
+    };
+    (0..RUNS).map(|_| time()).fold(f64::INFINITY, f64::min)
+}
+
+fn parts(planet: &Planet, id: PatchId) -> [f64; PARTS.len()] {
+    let ground = planet.ground();
+    let grid = HeightGrid::sample(&ground, id);
+    let surface = Surface::new(&ground, &grid);
+    let rules = || BorderRules::new(&ground, id, KAPPA_BUILD);
+    let child_wake = |()| Side::ALL.map(|side| BorderLine::of_side(id, side).child_wake(&ground, id.level, KAPPA_BUILD));
+    let ancestors = || {
+        let grids = WideGrids::default();
+        id.parent().map(|parent| HorizonMap::new(&ground, &grids, parent, direction_at(5.0, 60.0)));
+        grids
+    };
+    [
+        best_of(|| (), |()| HeightGrid::sample(&ground, id)),
+        best_of(|| (), |()| Surface::new(&ground, &grid)),
+        best_of(|| (), |()| rules()),
+        best_of(|| (), child_wake),
+        best_of(rules, |rules| build(&surface, rules, KAPPA_BUILD)),
+        best_of(|| (), |()| PatchTexture::new(&ground, &planet.terrain, id, &grid)),
+        best_of(|| (), |()| planet.build(id)),
+        best_of(ancestors, |grids| HorizonMap::new(&ground, &grids, id, direction_at(5.0, 60.0))),
+    ]
+}
+
+fn main() {
+    let cells = std::env::args().filter_map(|arg| arg.parse().ok()).next().unwrap_or(64);
+    println!("| {cells} cells | {} |\n|---|{}", PARTS.join(" | "), "---|".repeat(PARTS.len()));
+    for name in ["terra", "luna", "mars"] {
+        let planet = grid_of(name, cells);
+        let ids: Vec<PatchId> = LEVELS.into_iter().flat_map(|level| patches(level).take(2)).map(|(_, id)| id).collect();
+        let sums = ids.iter().fold([0.0; PARTS.len()], |sums, &id| {
+            let times = parts(&planet, id);
+            std::array::from_fn(|k| sums[k] + times[k] / ids.len() as f64)
+        });
+        println!("| {name} | {} |", sums.map(|ms| format!("{ms:.2}")).join(" | "));
+    }
+}
