@@ -51,9 +51,9 @@ fn speed(planet: &Planet) {
         let surface = Surface::new(&ground, &grid);
         let times = [
             best_of(9, || Surface::new(&ground, &grid)),
-            best_of(9, || BorderRules::new(&ground, id, KAPPA_BUILD)),
+            best_of(9, || BorderRules::new(&ground, &grid, KAPPA_BUILD)),
             // Without the rules, which the builder uses up.
-            best_of(9, || build(&surface, BorderRules::new(&ground, id, KAPPA_BUILD), KAPPA_BUILD)),
+            best_of(9, || build(&surface, BorderRules::new(&ground, &grid, KAPPA_BUILD), KAPPA_BUILD)),
         ];
         let [surface, rules, both] = times;
         let count = f64::from(2 * CELLS * CELLS);
@@ -95,8 +95,9 @@ fn count_awake(surface: &Surface, hierarchy: &Hierarchy, eye: DVec3, scale: f64)
 
 fn awake(planet: &Planet, id: PatchId, scale: f64) -> Awake {
     let ground = planet.ground();
-    let surface = Surface::new(&ground, &HeightGrid::sample(&ground, id));
-    let built = build(&surface, BorderRules::new(&ground, id, KAPPA_BUILD), KAPPA_BUILD);
+    let grid = HeightGrid::sample(&ground, id);
+    let surface = Surface::new(&ground, &grid);
+    let built = build(&surface, BorderRules::new(&ground, &grid, KAPPA_BUILD), KAPPA_BUILD);
     let free = build(&surface, BorderRules::free(CELLS), KAPPA_BUILD);
     let middle = surface.positions[surface.len() / 2].as_dvec3();
     let corner = surface.positions[CELLS as usize].as_dvec3();

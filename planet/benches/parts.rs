@@ -41,8 +41,8 @@ fn parts(planet: &Planet, id: PatchId) -> [f64; PARTS.len()] {
     let ground = planet.ground();
     let grid = HeightGrid::sample(&ground, id);
     let surface = Surface::new(&ground, &grid);
-    let rules = || BorderRules::new(&ground, id, KAPPA_BUILD);
-    let child_wake = |()| Side::ALL.map(|side| BorderLine::of_side(id, side).child_wake(&ground, id.level, KAPPA_BUILD));
+    let rules = || BorderRules::new(&ground, &grid, KAPPA_BUILD);
+    let child_wake = |()| Side::ALL.map(|side| BorderLine::of_side(id, side).child_wake(&ground, &grid, id.level, KAPPA_BUILD));
     let ancestors = || {
         let grids = WideGrids::default();
         id.parent().map(|parent| HorizonMap::new(&ground, &grids, parent, direction_at(5.0, 60.0)));

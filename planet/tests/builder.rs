@@ -14,7 +14,7 @@ fn build_patch(field: &TestField, cells: u32, id: PatchId) -> (Surface, Hierarch
     let ground = field.ground(cells);
     let grid = HeightGrid::sample(&ground, id);
     let surface = Surface::new(&ground, &grid);
-    let rules = BorderRules::new(&ground, id, KAPPA);
+    let rules = BorderRules::new(&ground, &grid, KAPPA);
     let hierarchy = build(&surface, rules, KAPPA);
     (surface, hierarchy)
 }

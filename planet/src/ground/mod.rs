@@ -81,12 +81,28 @@ impl Ground<'_> {
     /// Points of the ground over cube points.
     pub fn points(&self, points: &[CubePoint]) -> Vec<SurfacePoint> {
         let directions: Vec<DVec3> = points.iter().map(|&p| direction(p)).collect();
-        let heights = self.quantised(&directions);
-        let point = |(&d, h): (&DVec3, i32)| SurfacePoint {
-            position: self.lattice.position(d, h).as_dvec3(),
-            ideal: d * (self.lattice.radius + f64::from(h)),
+        directions.iter().zip(self.quantised(&directions)).map(|(&d, h)| self.point(d, h)).collect()
+    }
+
+    /// The same, but points that are samples of `grid` are taken from there: the same bits without asking the terrain.
+    pub fn points_beside(&self, grid: &HeightGrid, points: &[CubePoint]) -> Vec<SurfacePoint> {
+        let known: Vec<Option<usize>> = points.iter().map(|&p| grid.find(p)).collect();
+        let is_unknown = |(&p, known): (&CubePoint, &Option<usize>)| known.is_none().then(|| direction(p));
+        let directions: Vec<DVec3> = points.iter().zip(&known).filter_map(is_unknown).collect();
+        let mut asked = directions.iter().copied().zip(self.quantised(&directions));
+        let sample = |known: Option<usize>| match known {
+            Some(k) => Some((grid.directions[k], grid.heights[k])),
+            None => asked.next(),
         };
-        directions.iter().zip(heights).map(point).collect()
+        known.into_iter().filter_map(sample).map(|(d, h)| self.point(d, h)).collect()
+    }
+
+    /// The point of the ground in a direction, at a quantised height.
+    fn point(&self, direction: DVec3, height: i32) -> SurfacePoint {
+        SurfacePoint {
+            position: self.lattice.position(direction, height).as_dvec3(),
+            ideal: direction * (self.lattice.radius + f64::from(height)),
+        }
     }
 
     /// Cube units between neighbouring samples of a level (a level below the deepest is fine: half cells are whole units).
@@ -170,6 +186,8 @@ fn quantise(lattice: &Lattice, metres: &[f64], heights: &mut [i32]) {
 
 /// All height samples of one patch: every half cell of the patch and [`GUTTER`] half cells beyond each side.
 pub struct HeightGrid {
+    /// Whose samples these are.
+    pub id: PatchId,
     /// Samples a side.
     pub side: usize,
     /// Heights in metres, row by row.
@@ -201,7 +219,21 @@ impl HeightGrid {
         }
         let mut heights = vec![0; side * side];
         quantise(&ground.lattice, &metres, &mut heights);
-        HeightGrid { side, metres, heights, directions, warped }
+        HeightGrid { id, side, metres, heights, directions, warped }
+    }
+
+    /// Index of the sample at a cube point, if there is one. Points on the other face beside a cube edge are none of this grid's.
+    pub fn find(&self, point: CubePoint) -> Option<usize> {
+        let face = self.id.face;
+        let parts = (self.side as i32 - 1 - 2 * GUTTER) as u32;
+        let (u, v) = face.grid_axes();
+        let first = self.id.point(0, 0, parts);
+        let step = (1i64 << (31 - self.id.level)) / i64::from(parts);
+        let offset = [u, v].map(|axis| i64::from(point[axis]) - i64::from(first[axis]) + i64::from(GUTTER) * step);
+        let is_sample = |offset: i64| offset % step == 0 && (0..self.side as i64 * step).contains(&offset);
+        let on_face = point[face.normal_axis()] == first[face.normal_axis()];
+        (on_face && offset.into_iter().all(is_sample))
+            .then(|| (offset[1] / step) as usize * self.side + (offset[0] / step) as usize)
     }
 
     /// Index of the sample `a` half cells along and `b` half cells up from the patch's first corner.
@@ -218,5 +250,49 @@ impl HeightGrid {
     pub fn position(&self, lattice: &Lattice, a: i32, b: i32) -> IVec3 {
         let index = self.index(a, b);
         lattice.position(self.directions[index], self.heights[index])
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::globe::patch::Side;
+
+    struct Waves;
+
+    impl Elevation for Waves {
+        fn heights(&self, directions: &[DVec3], heights: &mut [f64]) {
+            for (height, d) in heights.iter_mut().zip(directions) {
+                *height = 5e3 * (d.x * 31.0 - d.y * 17.0 + d.z * 23.0).fract();
+            }
+        }
+    }
+
+    #[test]
+    fn points_beside_a_grid_are_those_of_the_terrain() {
+        let ground = Ground { elevation: &Waves, lattice: Lattice::new(6e6, 1e4), cells: 8 };
+        for id in Face::ALL
+            .into_iter()
+            .flat_map(|face| [(0, 0, 0), (2, 3, 0), (2, 1, 2), (21, 0, 77)].map(|(l, x, y)| PatchId::new(face, l, x, y)))
+        {
+            let id = id.unwrap();
+            let grid = HeightGrid::sample(&ground, id);
+            let steps = -GUTTER - 1..=16 + GUTTER + 1;
+            let points: Vec<CubePoint> = steps.clone().flat_map(|b| steps.clone().map(move |a| id.point(a, b, 16))).collect();
+            assert_eq!(points.iter().filter(|&&p| grid.find(p).is_some()).count(), grid.side * grid.side, "{id}");
+            assert_eq!(ground.points_beside(&grid, &points), ground.points(&points), "{id}");
+            let between = id.point(1, 1, 32);
+            assert_eq!(grid.find(between), None, "{id}: between samples");
+        }
+    }
+
+    #[test]
+    fn a_grid_has_no_samples_of_the_other_face() {
+        let ground = Ground { elevation: &Waves, lattice: Lattice::new(6e6, 1e4), cells: 8 };
+        let id = PatchId::new(Face::ALL[0], 3, 7, 2).unwrap();
+        let (grid, other) = (HeightGrid::sample(&ground, id), HeightGrid::sample(&ground, id.neighbour(Side::Right)));
+        let inner: Vec<CubePoint> =
+            (1..16).flat_map(|b| (1..16).map(move |a| (a, b))).map(|(a, b)| other.id.point(a, b, 16)).collect();
+        assert!(inner.iter().all(|&p| grid.find(p).is_none() && other.find(p).is_some()));
     }
 }

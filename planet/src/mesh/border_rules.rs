@@ -4,8 +4,8 @@
 
 use super::border::{targets, BorderLine};
 use super::wake::Wake;
-use crate::globe::patch::{PatchId, Side};
-use crate::ground::Ground;
+use crate::globe::patch::Side;
+use crate::ground::{Ground, HeightGrid};
 use terrane_heightfield::decimate::mesh::NONE;
 
 /// What may happen to a vertex.
@@ -44,12 +44,12 @@ pub struct BorderRules {
 }
 
 impl BorderRules {
-    /// Computes the rules of a patch.
-    pub fn new(ground: &Ground, id: PatchId, kappa: f64) -> BorderRules {
+    /// Computes the rules of a sampled patch.
+    pub fn new(ground: &Ground, grid: &HeightGrid, kappa: f64) -> BorderRules {
         let n = ground.cells as usize;
         let mut rules = BorderRules::interior(n);
         for side in Side::ALL {
-            rules.add_side(ground, id, side, kappa);
+            rules.add_side(ground, grid, side, kappa);
         }
         rules.fix_corners(n);
         rules
@@ -91,15 +91,16 @@ impl BorderRules {
         }
     }
 
-    fn add_side(&mut self, ground: &Ground, id: PatchId, side: Side, kappa: f64) {
+    fn add_side(&mut self, ground: &Ground, grid: &HeightGrid, side: Side, kappa: f64) {
+        let id = grid.id;
         let n = ground.cells as usize;
         let line = BorderLine::of_side(id, side);
-        let keys = line.canonical_wakes(ground, id.level, n, kappa);
-        let wakes = line.shared_wakes(ground, id.level, &keys, kappa);
+        let keys = line.canonical_wakes(ground, grid, id.level, n, kappa);
+        let wakes = line.shared_wakes(ground, grid, id.level, &keys, kappa);
         let coarser = id.parent().filter(|_| id.on_parent_boundary(side)).map(|parent| {
             let line = BorderLine::of_side(parent, side);
-            let canonical = line.canonical_wakes(ground, parent.level, n, kappa);
-            let wakes = line.shared_wakes(ground, parent.level, &canonical, kappa);
+            let canonical = line.canonical_wakes(ground, grid, parent.level, n, kappa);
+            let wakes = line.shared_wakes(ground, grid, parent.level, &canonical, kappa);
             let half = if side.is_horizontal() { id.x } else { id.y } % 2 * (n as u32 / 2);
             move |k: usize| wakes[half as usize + k / 2]
         });

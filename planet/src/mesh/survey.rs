@@ -27,12 +27,12 @@ impl Survey {
     pub fn new(ground: &Ground, id: PatchId) -> Survey {
         let grid = HeightGrid::sample(ground, id);
         let surface = Surface::new(ground, &grid);
-        Survey { id, facts: facts(ground, id, &surface), grid, surface }
+        Survey { id, facts: facts(ground, &grid, &surface), grid, surface }
     }
 
     /// Builds its mesh.
     pub fn mesh(&self, ground: &Ground) -> (PatchMesh, Faults) {
-        PatchMesh::of_surface(ground, self.id, &self.surface, self.facts)
+        PatchMesh::of_surface(ground, self.id, &self.grid, &self.surface, self.facts)
     }
 
     /// Its textures.

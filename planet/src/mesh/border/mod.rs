@@ -9,7 +9,7 @@ mod strip;
 use super::wake::{asked, Wake};
 use crate::globe::patch::{PatchId, Side};
 use crate::globe::sphere::{CubePoint, ONE};
-use crate::ground::{Ground, SurfacePoint};
+use crate::ground::{Ground, HeightGrid, SurfacePoint};
 use strip::Strip;
 
 /// Lattice units by which a drawn point may lie off its ideal position, because vertices are rounded to the lattice. Part of
@@ -57,8 +57,8 @@ impl BorderLine {
         }
     }
 
-    /// Positions of `count + 1` samples of a level on the line, and of the rows beside it.
-    fn sample(&self, ground: &Ground, level: u8, count: usize) -> [Vec<SurfacePoint>; 3] {
+    /// Positions of `count + 1` samples of a level on the line, and of the rows beside it. What `grid` has of them is taken from there.
+    fn sample(&self, ground: &Ground, grid: &HeightGrid, level: u8, count: usize) -> [Vec<SurfacePoint>; 3] {
         let step = ground.step(level);
         let [below, above] = self.row_offsets(step);
         let row = |offset: CubePoint| -> Vec<SurfacePoint> {
@@ -69,7 +69,7 @@ impl BorderLine {
                     point
                 })
                 .collect();
-            ground.points(&points)
+            ground.points_beside(grid, &points)
         };
         [row(CubePoint::ZERO), row(below), row(above)]
     }
@@ -81,18 +81,19 @@ impl BorderLine {
         [Strip::new(line, below, self.axis, faces[0]), Strip::new(line, above, self.axis, faces[1])]
     }
 
-    /// Canonical wakes `W` of the line's first `count` cells at a level. The two ends are always awake.
-    pub fn canonical_wakes(&self, ground: &Ground, level: u8, count: usize, kappa: f64) -> Vec<Wake> {
-        let rows = self.sample(ground, level, count);
+    /// Canonical wakes `W` of the line's first `count` cells at a level. The two ends are always awake. `grid` only saves samples: it is
+    /// that of a patch beside the line, and no result depends on it.
+    pub fn canonical_wakes(&self, ground: &Ground, grid: &HeightGrid, level: u8, count: usize, kappa: f64) -> Vec<Wake> {
+        let rows = self.sample(ground, grid, level, count);
         let strips = self.strips(&rows);
         wakes_of_rows(&rows, &strips, self.first_index(ground, level), count / 2, kappa)
     }
 
     /// The largest wake, in lattice units, of the vertices that the next finer level has on the line and this one has not. They depend
     /// on few samples around each.
-    pub fn child_wake(&self, ground: &Ground, level: u8, kappa: f64) -> f64 {
+    pub fn child_wake(&self, ground: &Ground, grid: &HeightGrid, level: u8, kappa: f64) -> f64 {
         let wakes = |finer: u8| {
-            let rows = self.sample(ground, level + finer, (ground.cells as usize) << finer);
+            let rows = self.sample(ground, grid, level + finer, (ground.cells as usize) << finer);
             wakes_of_rows(&rows, &self.strips(&rows), self.first_index(ground, level + finer), finer.into(), kappa)
         };
         let [own, finer] = [wakes(1), wakes(2)];
@@ -101,8 +102,8 @@ impl BorderLine {
 
     /// `V = max(W of this level, W of the next finer level)`: the wakes that both levels of patches along the line agree on. In: the
     /// line's canonical wakes at this level.
-    pub fn shared_wakes(&self, ground: &Ground, level: u8, canonical: &[Wake], kappa: f64) -> Vec<Wake> {
-        let fine = self.canonical_wakes(ground, level + 1, 2 * ground.cells as usize, kappa);
+    pub fn shared_wakes(&self, ground: &Ground, grid: &HeightGrid, level: u8, canonical: &[Wake], kappa: f64) -> Vec<Wake> {
+        let fine = self.canonical_wakes(ground, grid, level + 1, 2 * ground.cells as usize, kappa);
         canonical.iter().enumerate().map(|(k, &wake)| wake.max(fine[2 * k])).collect()
     }
 

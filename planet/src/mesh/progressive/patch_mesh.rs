@@ -50,12 +50,12 @@ impl PatchMesh {
     /// Builds a patch from its height samples. A pure function of terrain and patch id.
     pub fn build(ground: &Ground, id: PatchId, grid: &HeightGrid) -> (PatchMesh, Faults) {
         let surface = Surface::new(ground, grid);
-        PatchMesh::of_surface(ground, id, &surface, facts(ground, id, &surface))
+        PatchMesh::of_surface(ground, id, grid, &surface, facts(ground, grid, &surface))
     }
 
     /// Builds a patch whose surface and facts are known.
-    pub fn of_surface(ground: &Ground, id: PatchId, surface: &Surface, facts: PatchFacts) -> (PatchMesh, Faults) {
-        let rules = BorderRules::new(ground, id, KAPPA_BUILD);
+    pub fn of_surface(ground: &Ground, id: PatchId, grid: &HeightGrid, surface: &Surface, facts: PatchFacts) -> (PatchMesh, Faults) {
+        let rules = BorderRules::new(ground, grid, KAPPA_BUILD);
         let hierarchy = build(surface, rules, KAPPA_BUILD);
         let vertices = in_wake_order(surface, &hierarchy);
         (PatchMesh { id, cells: ground.cells, vertices, facts }, hierarchy.faults)
@@ -68,19 +68,20 @@ impl PatchMesh {
 }
 
 /// What is known of a patch from its samples alone.
-pub fn facts(ground: &Ground, id: PatchId, surface: &Surface) -> PatchFacts {
+pub fn facts(ground: &Ground, grid: &HeightGrid, surface: &Surface) -> PatchFacts {
     let low = surface.heights.iter().copied().min().unwrap_or(0);
     let high = surface.heights.iter().copied().max().unwrap_or(0);
-    let child_wake = child_wake(ground, id);
+    let child_wake = child_wake(ground, grid);
     PatchFacts { bounds: surface.bounds, heights: [low, high], child_wake, quarters: surface.quarters }
 }
 
 /// Largest wake that a vertex of the children has on this patch's sides where this patch has none.
-fn child_wake(ground: &Ground, id: PatchId) -> f64 {
+fn child_wake(ground: &Ground, grid: &HeightGrid) -> f64 {
+    let id = grid.id;
     if id.level == MAX_LEVEL {
         return 0.0;
     }
-    let wake = |side| BorderLine::of_side(id, side).child_wake(ground, id.level, KAPPA_BUILD);
+    let wake = |side| BorderLine::of_side(id, side).child_wake(ground, grid, id.level, KAPPA_BUILD);
     Side::ALL.into_iter().map(wake).fold(0.0, f64::max)
 }
 
