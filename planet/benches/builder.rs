@@ -8,8 +8,9 @@ use std::path::Path;
 use std::time::Instant;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::direction_at;
-use terrane_planet::ground::HeightGrid;
+use terrane_planet::ground::{Ground, HeightGrid};
 use terrane_planet::mesh::border_rules::BorderRules;
+use terrane_planet::mesh::build_patch;
 use terrane_planet::mesh::builder::{build, Hierarchy};
 use terrane_planet::mesh::certificate::KAPPA_BUILD;
 use terrane_planet::mesh::surface::Surface;
@@ -65,7 +66,9 @@ fn speed(planet: &Planet) {
 
 fn threads(planet: &Planet) {
     let ids = patches(&[1, 3, 5, 7, 9, 11, 13, 15, 17]);
-    let all = |share: &[PatchId]| share.iter().for_each(|&id| drop(std::hint::black_box(planet.build(id))));
+    let ground = Ground { kept: None, ..planet.ground() };
+    let all =
+        |share: &[PatchId]| share.iter().for_each(|&id| drop(std::hint::black_box(build_patch(&ground, &planet.terrain, id))));
     let one = best_of(3, || all(&ids));
     let (first, second): (Vec<_>, Vec<_>) = ids.iter().enumerate().partition(|(k, _)| k % 2 == 0);
     let halves = [first, second].map(|half| half.into_iter().map(|(_, &id)| id).collect::<Vec<_>>());

@@ -5,12 +5,12 @@ mod common;
 
 use common::{patches, planet, LEVELS};
 use criterion::{criterion_group, criterion_main, Criterion, Throughput};
-use terrane_planet::ground::HeightGrid;
+use terrane_planet::ground::{Ground, HeightGrid};
 
 fn heights(criterion: &mut Criterion) {
     for name in ["terra", "luna", "mars"] {
         let planet = planet(name);
-        let ground = planet.ground();
+        let ground = Ground { kept: None, ..planet.ground() };
         let mut group = criterion.benchmark_group(name);
         for (level, (site, id)) in LEVELS.into_iter().flat_map(|level| patches(level).map(move |patch| (level, patch))) {
             let side = u64::from(2 * planet.cells + 9);

@@ -5,6 +5,7 @@
 //! lies up to 16 in those of its parent's density, and so on: which samples count follows from the distance alone, so that neighbours
 //! of one level agree where they meet.
 
+use super::kept::{sample_square, SampledHeights};
 use super::{Ground, WarpedGrid};
 use crate::globe::patch::PatchId;
 use crate::globe::patch_cache::PatchCache;
@@ -51,15 +52,13 @@ impl WideGrid {
     /// Samples a patch and its surroundings.
     pub fn sample(ground: &Ground, id: PatchId) -> WideGrid {
         let steps = -MARGIN..=ground.cells as i32 + MARGIN;
-        let warped = WarpedGrid::new(id, steps, ground.cells);
+        let warped = WarpedGrid::new(id, steps.clone(), ground.cells);
         let side = warped.columns.len();
-        // Column by column within a few rows: near in memory is near on the ground, which terrain is fastest for.
-        let order = super::strips(side);
-        let directions: Vec<DVec3> = order.iter().map(|&k| warped.direction(k % side, k / side)).collect();
-        let mut metres = vec![0.0; side * side];
-        for (&k, height) in order.iter().zip(ground.metres(&directions)) {
-            metres[k] = height as f32;
-        }
+        let known: Vec<SampledHeights> =
+            ground.kept.map_or_else(Vec::new, |kept| id.parent().into_iter().chain([id]).filter_map(|id| kept.get(id)).collect());
+        let direction = |k: usize| warped.direction(k % side, k / side);
+        let metres = sample_square(ground, &known, id, (steps, ground.cells), direction);
+        let metres = metres.into_iter().map(|height| height as f32).collect();
         WideGrid { warped, side, metres }
     }
 

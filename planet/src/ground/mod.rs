@@ -1,13 +1,17 @@
 //! Ground samples: heights over cube points, quantised to the lattice.
 
 pub mod horizon;
+mod kept;
 pub mod texture;
+
+pub use kept::{KeptHeights, SampledHeights};
 
 use crate::globe::lattice::Lattice;
 use crate::globe::patch::PatchId;
 use crate::globe::sphere::{direction, normalise, warp_component, CubePoint, Face};
 use glam::{DVec3, IVec3};
 use std::ops::RangeInclusive;
+use std::sync::Arc;
 
 /// Terrain as a pure function of direction. Implementations use only exactly rounded operations, so that every machine
 /// computes the same bytes, and give the same bits however the directions are grouped into calls.
@@ -63,6 +67,8 @@ pub struct Ground<'a> {
     pub lattice: Lattice,
     /// Grid cells along a patch side, a power of two.
     pub cells: u32,
+    /// Heights known already, which save asking again.
+    pub kept: Option<&'a KeptHeights>,
 }
 
 impl Ground<'_> {
@@ -84,17 +90,23 @@ impl Ground<'_> {
         directions.iter().zip(self.quantised(&directions)).map(|(&d, h)| self.point(d, h)).collect()
     }
 
-    /// The same, but points that are samples of `grid` are taken from there: the same bits without asking the terrain.
+    /// The same, but heights of samples that `grid` has or its parent had are taken from there: the same bits without asking the terrain.
     pub fn points_beside(&self, grid: &HeightGrid, points: &[CubePoint]) -> Vec<SurfacePoint> {
-        let known: Vec<Option<usize>> = points.iter().map(|&p| grid.find(p)).collect();
-        let is_unknown = |(&p, known): (&CubePoint, &Option<usize>)| known.is_none().then(|| direction(p));
+        let known: Vec<Option<(DVec3, i32)>> = points.iter().map(|&point| self.known(grid, point)).collect();
+        let is_unknown = |(&p, known): (&CubePoint, &Option<_>)| known.is_none().then(|| direction(p));
         let directions: Vec<DVec3> = points.iter().zip(&known).filter_map(is_unknown).collect();
         let mut asked = directions.iter().copied().zip(self.quantised(&directions));
-        let sample = |known: Option<usize>| match known {
-            Some(k) => Some((grid.directions[k], grid.heights[k])),
-            None => asked.next(),
-        };
-        known.into_iter().filter_map(sample).map(|(d, h)| self.point(d, h)).collect()
+        known.into_iter().filter_map(|known| known.or_else(|| asked.next())).map(|(d, h)| self.point(d, h)).collect()
+    }
+
+    /// Direction and quantised height of a sample that a grid has, or its parent had.
+    fn known(&self, grid: &HeightGrid, point: CubePoint) -> Option<(DVec3, i32)> {
+        if let Some(k) = grid.sampled.find(point) {
+            return Some((grid.directions[k], grid.heights[k]));
+        }
+        let parent = grid.parent.as_ref()?;
+        let metres = parent.metres[parent.find(point)?];
+        Some((direction(point), self.lattice.quantise_height(metres)))
     }
 
     /// The point of the ground in a direction, at a quantised height.
@@ -143,13 +155,17 @@ impl WarpedGrid {
     }
 }
 
-/// The samples of a square grid in strips of a few rows, column by column: any run of some tens of them lies close together, which
-/// is what terrain is evaluated fastest for.
+/// The samples of a square grid in strips of a few rows, column by column, there and back in turns: any run of some tens of them lies
+/// close together, which is what terrain is evaluated fastest for.
 pub(crate) fn strips(side: usize) -> Vec<usize> {
     const ROWS: usize = 8;
     let strip = |first: usize| {
         let rows = first..(first + ROWS).min(side);
-        (0..side).flat_map(move |column| rows.clone().map(move |row| row * side + column))
+        let back = first / ROWS % 2 == 1;
+        (0..side).flat_map(move |k| {
+            let column = if back { side - 1 - k } else { k };
+            rows.clone().map(move |row| row * side + column)
+        })
     };
     (0..side).step_by(ROWS).flat_map(strip).collect()
 }
@@ -190,8 +206,10 @@ pub struct HeightGrid {
     pub id: PatchId,
     /// Samples a side.
     pub side: usize,
-    /// Heights in metres, row by row.
-    pub metres: Vec<f64>,
+    /// Heights in metres.
+    pub sampled: SampledHeights,
+    /// Those of the patch's parent, if they were known.
+    pub parent: Option<SampledHeights>,
     /// The same in whole lattice units.
     pub heights: Vec<i32>,
     /// Directions of the samples, row by row.
@@ -206,34 +224,23 @@ impl HeightGrid {
         let parts = 2 * ground.cells;
         let range = -GUTTER..=parts as i32 + GUTTER;
         let side = (parts as i32 + 2 * GUTTER + 1) as usize;
-        let warped = WarpedGrid::new(id, range, parts);
+        let warped = WarpedGrid::new(id, range.clone(), parts);
         let mut directions = vec![DVec3::ZERO; side * side];
         for (row, directions) in directions.chunks_exact_mut(side).enumerate() {
             fill_directions(&warped, row, directions);
         }
-        let order = strips(side);
-        let ordered: Vec<DVec3> = order.iter().map(|&k| directions[k]).collect();
-        let mut metres = vec![0.0; side * side];
-        for (&k, height) in order.iter().zip(ground.metres(&ordered)) {
-            metres[k] = height;
-        }
+        let kept = |id: PatchId| ground.kept.and_then(|kept| kept.get(id));
+        let (own, parent) = (kept(id), id.parent().and_then(kept));
+        let known = own.iter().chain(&parent);
+        let metres = kept::sample_square(ground, known, id, (range, parts), |k| directions[k]);
         let mut heights = vec![0; side * side];
         quantise(&ground.lattice, &metres, &mut heights);
-        HeightGrid { id, side, metres, heights, directions, warped }
-    }
-
-    /// Index of the sample at a cube point, if there is one. Points on the other face beside a cube edge are none of this grid's.
-    pub fn find(&self, point: CubePoint) -> Option<usize> {
-        let face = self.id.face;
-        let parts = (self.side as i32 - 1 - 2 * GUTTER) as u32;
-        let (u, v) = face.grid_axes();
-        let first = self.id.point(0, 0, parts);
-        let step = (1i64 << (31 - self.id.level)) / i64::from(parts);
-        let offset = [u, v].map(|axis| i64::from(point[axis]) - i64::from(first[axis]) + i64::from(GUTTER) * step);
-        let is_sample = |offset: i64| offset % step == 0 && (0..self.side as i64 * step).contains(&offset);
-        let on_face = point[face.normal_axis()] == first[face.normal_axis()];
-        (on_face && offset.into_iter().all(is_sample))
-            .then(|| (offset[1] / step) as usize * self.side + (offset[0] / step) as usize)
+        let sampled = SampledHeights { id, side, metres: Arc::new(metres) };
+        let grid = HeightGrid { id, side, sampled, parent, heights, directions, warped };
+        if let Some(kept) = ground.kept.filter(|_| own.is_none()) {
+            kept.keep(&grid);
+        }
+        grid
     }
 
     /// Index of the sample `a` half cells along and `b` half cells up from the patch's first corner.
@@ -257,6 +264,7 @@ impl HeightGrid {
 mod tests {
     use super::*;
     use crate::globe::patch::Side;
+    use std::sync::atomic::{AtomicUsize, Ordering};
 
     struct Waves;
 
@@ -270,7 +278,7 @@ mod tests {
 
     #[test]
     fn points_beside_a_grid_are_those_of_the_terrain() {
-        let ground = Ground { elevation: &Waves, lattice: Lattice::new(6e6, 1e4), cells: 8 };
+        let ground = Ground { elevation: &Waves, lattice: Lattice::new(6e6, 1e4), cells: 8, kept: None };
         for id in Face::ALL
             .into_iter()
             .flat_map(|face| [(0, 0, 0), (2, 3, 0), (2, 1, 2), (21, 0, 77)].map(|(l, x, y)| PatchId::new(face, l, x, y)))
@@ -279,20 +287,54 @@ mod tests {
             let grid = HeightGrid::sample(&ground, id);
             let steps = -GUTTER - 1..=16 + GUTTER + 1;
             let points: Vec<CubePoint> = steps.clone().flat_map(|b| steps.clone().map(move |a| id.point(a, b, 16))).collect();
-            assert_eq!(points.iter().filter(|&&p| grid.find(p).is_some()).count(), grid.side * grid.side, "{id}");
+            assert_eq!(points.iter().filter(|&&p| grid.sampled.find(p).is_some()).count(), grid.side * grid.side, "{id}");
             assert_eq!(ground.points_beside(&grid, &points), ground.points(&points), "{id}");
             let between = id.point(1, 1, 32);
-            assert_eq!(grid.find(between), None, "{id}: between samples");
+            assert_eq!(grid.sampled.find(between), None, "{id}: between samples");
+        }
+    }
+
+    /// Counts what it is asked for.
+    struct Counted(AtomicUsize);
+
+    impl Elevation for Counted {
+        fn heights(&self, directions: &[DVec3], heights: &mut [f64]) {
+            self.0.fetch_add(directions.len(), Ordering::Relaxed);
+            Waves.heights(directions, heights);
+        }
+    }
+
+    #[test]
+    fn kept_heights_save_samples_and_change_none() {
+        let (counted, kept) = (Counted(AtomicUsize::new(0)), KeptHeights::new(16));
+        let bare = Ground { elevation: &Waves, lattice: Lattice::new(6e6, 1e4), cells: 16, kept: None };
+        let ground = Ground { elevation: &counted, kept: Some(&kept), ..bare };
+        let asked = || counted.0.swap(0, Ordering::Relaxed);
+        for parent in
+            Face::ALL.into_iter().flat_map(|face| [(0, 0, 0), (4, 15, 3)].map(|(l, x, y)| PatchId::new(face, l, x, y).unwrap()))
+        {
+            HeightGrid::sample(&ground, parent);
+            for id in parent.children().unwrap() {
+                asked();
+                let (grid, plain) = (HeightGrid::sample(&ground, id), HeightGrid::sample(&bare, id));
+                assert_eq!((&grid.sampled.metres, &grid.heights), (&plain.sampled.metres, &plain.heights), "{id}");
+                assert_eq!(asked(), grid.side * grid.side - (grid.side / 2 + 1).pow(2), "{id}: the parent has every fourth");
+                HeightGrid::sample(&ground, id);
+                assert_eq!(asked(), 0, "{id}: all of its own are kept");
+                let steps = -GUTTER - 1..=32 + GUTTER + 1;
+                let points: Vec<CubePoint> = steps.clone().flat_map(|b| steps.clone().map(move |a| id.point(a, b, 16))).collect();
+                assert_eq!(ground.points_beside(&grid, &points), bare.points(&points), "{id}");
+            }
         }
     }
 
     #[test]
     fn a_grid_has_no_samples_of_the_other_face() {
-        let ground = Ground { elevation: &Waves, lattice: Lattice::new(6e6, 1e4), cells: 8 };
+        let ground = Ground { elevation: &Waves, lattice: Lattice::new(6e6, 1e4), cells: 8, kept: None };
         let id = PatchId::new(Face::ALL[0], 3, 7, 2).unwrap();
         let (grid, other) = (HeightGrid::sample(&ground, id), HeightGrid::sample(&ground, id.neighbour(Side::Right)));
         let inner: Vec<CubePoint> =
             (1..16).flat_map(|b| (1..16).map(move |a| (a, b))).map(|(a, b)| other.id.point(a, b, 16)).collect();
-        assert!(inner.iter().all(|&p| grid.find(p).is_none() && other.find(p).is_some()));
+        assert!(inner.iter().all(|&p| grid.sampled.find(p).is_none() && other.sampled.find(p).is_some()));
     }
 }

@@ -156,7 +156,7 @@ fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes
     for (r, [x, y, z]) in corners.iter_mut().enumerate() {
         let first = (row + r) * grid.side + column;
         let samples = first..=first + slopes.len();
-        for (i, (d, h)) in grid.directions[samples.clone()].iter().zip(&grid.metres[samples]).enumerate() {
+        for (i, (d, h)) in grid.directions[samples.clone()].iter().zip(&grid.sampled.metres[samples]).enumerate() {
             let radius = frame.datum + h;
             (x[i], y[i], z[i]) = (d.x * radius, d.y * radius, d.z * radius);
         }
@@ -168,8 +168,8 @@ fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes
         (ups[0][i], ups[1][i], ups[2][i]) = (up[0], up[1], up[2]);
         (tangents[0][i], tangents[1][i], tangents[2][i]) = (slope[0], slope[1], slope[2]);
     }
-    let lower = &grid.metres[row * grid.side + column..];
-    let upper = &grid.metres[(row + 1) * grid.side + column..];
+    let lower = &grid.sampled.metres[row * grid.side + column..];
+    let upper = &grid.sampled.metres[(row + 1) * grid.side + column..];
     for (i, (slopes, point)) in slopes.iter_mut().zip(points).enumerate() {
         let slope = [tangents[0][i], tangents[1][i]];
         *slopes = [encode_slope(slope[0]), encode_slope(slope[1])];

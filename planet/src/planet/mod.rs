@@ -10,7 +10,7 @@ use crate::draw::tree::PatchTree;
 use crate::globe::lattice::Lattice;
 use crate::globe::patch::{PatchId, MAX_CELLS, MAX_LEVEL, MIN_CELLS};
 use crate::ground::texture::PatchTexture;
-use crate::ground::{Elevation, Ground, GroundColour, GroundPoint};
+use crate::ground::{Elevation, Ground, GroundColour, GroundPoint, KeptHeights};
 use crate::mesh::build_patch;
 use crate::mesh::builder::Faults;
 use crate::mesh::progressive::{PatchFacts, PatchMesh};
@@ -101,6 +101,8 @@ pub struct Planet {
     pub lattice: Lattice,
     /// Grid cells along a patch side.
     pub cells: u32,
+    /// Heights of the patches sampled last.
+    kept: KeptHeights,
 }
 
 impl Planet {
@@ -115,7 +117,7 @@ impl Planet {
         let terrain = Terrain::new(&recipe)?;
         let lattice = Lattice::new(recipe.radius, terrain.layers_range().1);
         check_edits(&recipe, &terrain, &lattice)?;
-        Ok(Planet { recipe, terrain, lattice, cells })
+        Ok(Planet { recipe, terrain, lattice, cells, kept: KeptHeights::new(cells) })
     }
 
     /// The planet that a planet file was baked from.
@@ -164,7 +166,7 @@ impl Planet {
 
     /// Terrain on the lattice.
     pub fn ground(&self) -> Ground<'_> {
-        Ground { elevation: &self.terrain, lattice: self.lattice, cells: self.cells }
+        Ground { elevation: &self.terrain, lattice: self.lattice, cells: self.cells, kept: Some(&self.kept) }
     }
 
     /// Samples a patch: what is known of it before it is built.

@@ -53,7 +53,7 @@ impl TestField {
     }
 
     pub(crate) fn ground(&self, cells: u32) -> Ground<'_> {
-        Ground { elevation: self, lattice: Lattice::new(self.radius, 2.0 * self.roughness * self.radius), cells }
+        Ground { elevation: self, lattice: Lattice::new(self.radius, 2.0 * self.roughness * self.radius), cells, kept: None }
     }
 }
 

@@ -61,17 +61,15 @@ impl BorderLine {
     fn sample(&self, ground: &Ground, grid: &HeightGrid, level: u8, count: usize) -> [Vec<SurfacePoint>; 3] {
         let step = ground.step(level);
         let [below, above] = self.row_offsets(step);
-        let row = |offset: CubePoint| -> Vec<SurfacePoint> {
-            let points: Vec<CubePoint> = (0..=count)
-                .map(|k| {
-                    let mut point = self.origin + offset;
-                    point[self.axis] = (i64::from(point[self.axis]) + k as i64 * i64::from(step)) as i32;
-                    point
-                })
-                .collect();
-            ground.points_beside(grid, &points)
+        let offsets = [CubePoint::ZERO, below, above];
+        // Rows in turns: what is near on the ground is asked for together.
+        let point = |k: usize| {
+            let mut point = self.origin + offsets[k % 3];
+            point[self.axis] = (i64::from(point[self.axis]) + (k / 3) as i64 * i64::from(step)) as i32;
+            point
         };
-        [row(CubePoint::ZERO), row(below), row(above)]
+        let points = ground.points_beside(grid, &(0..3 * (count + 1)).map(point).collect::<Vec<_>>());
+        [0, 1, 2].map(|row| points.iter().skip(row).step_by(3).copied().collect())
     }
 
     /// The strips between the line and the rows of [`BorderLine::sample`], each on the face that holds it.

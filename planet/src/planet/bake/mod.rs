@@ -8,7 +8,7 @@ mod plan;
 pub use plan::{whole_planet, BakePlan, PlanError, FUNNEL, MOST_PATCHES};
 
 use crate::globe::patch::PatchId;
-use crate::ground::{Elevation, Ground, GroundColour};
+use crate::ground::{Elevation, Ground, GroundColour, KeptHeights};
 use crate::mesh::build_patch;
 use crate::mesh::builder::Faults;
 use crate::store::{BakedPatch, PlanetFile, RecordError, StoreError};
@@ -120,7 +120,8 @@ pub fn bake(
     stop: &AtomicBool,
 ) -> Result<BakeSummary, BakeError> {
     let start = Instant::now();
-    let ground = Ground { elevation, lattice: file.header().lattice, cells: file.header().cells };
+    let kept = KeptHeights::new(file.header().cells);
+    let ground = Ground { elevation, lattice: file.header().lattice, cells: file.header().cells, kept: Some(&kept) };
     let stored = file.ids()?;
     let mut wanted = file.pending()?;
     let planned: HashSet<PatchId> = plan.patches.iter().copied().collect();
