@@ -253,12 +253,18 @@ impl<V: FnMut(usize, f32, [f32; 3])> Visitor for NoiseAndSlope<V> {
     #[inline(always)]
     fn see(&mut self, lane: usize, at: [f32; 3], gradient: impl Fn(usize) -> [f32; 3]) {
         let (share, rise) = (axes(|k| fade(at[k])), axes(|k| fade_slope(at[k])));
-        // The plane of each corner: its value here, and its gradient.
-        let plane = |corner: usize| {
-            let (g, [x, y, z]) = (gradient(corner), offset(at, corner));
-            [g[0] * x + g[1] * y + g[2] * z, g[0], g[1], g[2]]
-        };
-        let edge = |corner: usize| joined(plane(corner), plane(corner + 1), [share[0], rise[0]], 1);
+        // A closure that is called eight times would stay out of line, and then is not compiled for wide instructions.
+        let planes = [
+            plane(at, 0, &gradient),
+            plane(at, 1, &gradient),
+            plane(at, 2, &gradient),
+            plane(at, 3, &gradient),
+            plane(at, 4, &gradient),
+            plane(at, 5, &gradient),
+            plane(at, 6, &gradient),
+            plane(at, 7, &gradient),
+        ];
+        let edge = |corner: usize| joined(planes[corner], planes[corner + 1], [share[0], rise[0]], 1);
         let side = |corner: usize| joined(edge(corner), edge(corner + 2), [share[1], rise[1]], 2);
         let [noise, x, y, z] = joined(side(0), side(4), [share[2], rise[2]], 3);
         let rows = &self.rows;
@@ -292,6 +298,13 @@ impl<V: FnMut(usize, f32, f32)> Visitor for Waves<'_, V> {
         }
         (self.visit)(lane, cosine, sine);
     }
+}
+
+/// The plane of a corner: its value at a point in its cell, and its gradient.
+#[inline(always)]
+fn plane(at: [f32; 3], corner: usize, gradient: impl Fn(usize) -> [f32; 3]) -> [f32; 4] {
+    let (g, [x, y, z]) = (gradient(corner), offset(at, corner));
+    [g[0] * x + g[1] * y + g[2] * z, g[0], g[1], g[2]]
 }
 
 /// From a corner to a point in its cell.
