@@ -53,7 +53,7 @@ fn with_magic(magic: &[u8], bytes: &[u8]) -> Vec<u8> {
 }
 
 /// The patch and the grid of all records here.
-fn patch() -> Option<(PatchId, u32)> {
+pub fn patch() -> Option<(PatchId, u32)> {
     Some((PatchId::new(Face::ALL[2], 3, 1, 6)?, 8))
 }
 
@@ -83,7 +83,7 @@ fn records(bytes: &[u8], magic: [u8; 4], plain: usize, streams: &[usize]) -> Vec
 const VERTICES: usize = 81;
 
 /// Bytes of a geometry record before its streams, and how many streams of one byte a vertex follow.
-const MEASURES: usize = 48;
+const MEASURES: usize = 104;
 const PLANES: usize = 14;
 
 /// What a reader accepts it writes again, and reads the same from that.

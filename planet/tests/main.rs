@@ -18,6 +18,7 @@ mod horizon;
 mod in_sight;
 mod independence;
 mod motion;
+mod partial_patches;
 mod positions;
 mod precision;
 mod queries;

@@ -1,7 +1,9 @@
 //! A patch on its way into a planet file, and what the file's index holds of it.
+//!
+//! A patch may lack its mesh, or its mesh and its texture: what was surveyed and not built. A part of no bytes is one that is not there.
 
 use super::error::RecordError;
-use super::{geometry, imagery};
+use super::{facts, geometry, imagery};
 use crate::globe::patch::PatchId;
 use crate::ground::texture::PatchTexture;
 use crate::mesh::progressive::{PatchFacts, PatchMesh};
@@ -13,12 +15,29 @@ pub struct PatchRecord {
     pub id: PatchId,
     /// What its mesh says of itself.
     pub facts: PatchFacts,
-    /// Number of vertices that never collapse.
+    /// Number of vertices that never collapse; 0 without a mesh.
     pub always_awake: u32,
-    /// Size of the geometry record.
+    /// Size of the geometry record; 0 if there is none.
     pub geometry_bytes: u32,
-    /// Size of the texture record.
+    /// Size of the texture record; 0 if there is none.
     pub texture_bytes: u32,
+}
+
+impl PatchRecord {
+    /// Whether its mesh is stored.
+    pub fn has_mesh(&self) -> bool {
+        self.geometry_bytes > 0
+    }
+
+    /// Whether its texture is stored.
+    pub fn has_texture(&self) -> bool {
+        self.texture_bytes > 0
+    }
+
+    /// Whether both are.
+    pub fn is_whole(&self) -> bool {
+        self.has_mesh() && self.has_texture()
+    }
 }
 
 /// A patch as it goes into the file.
@@ -26,9 +45,9 @@ pub struct PatchRecord {
 pub struct BakedPatch {
     /// What the index holds of it.
     pub record: PatchRecord,
-    /// Geometry record.
+    /// Geometry record; empty without a mesh.
     pub geometry: Vec<u8>,
-    /// Texture record.
+    /// Texture record; empty without a texture.
     pub texture: Vec<u8>,
 }
 
@@ -48,5 +67,22 @@ impl BakedPatch {
             texture_bytes: texture.len() as u32,
         };
         Ok(BakedPatch { record, geometry, texture })
+    }
+
+    /// Encodes a patch of `cells` cells a side that was surveyed and not built.
+    ///
+    /// # Errors
+    /// For facts or a texture that break the builder's promises.
+    pub fn surveyed(
+        id: PatchId,
+        facts: &PatchFacts,
+        cells: u32,
+        texture: Option<&PatchTexture>,
+    ) -> Result<BakedPatch, RecordError> {
+        facts::check(facts).map_err(RecordError::Measure)?;
+        let texture = texture.map_or(Ok(Vec::new()), |texture| imagery::encode(texture, id, cells))?;
+        let texture_bytes = texture.len() as u32;
+        let record = PatchRecord { id, facts: *facts, always_awake: 0, geometry_bytes: 0, texture_bytes };
+        Ok(BakedPatch { record, geometry: Vec::new(), texture })
     }
 }

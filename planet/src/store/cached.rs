@@ -1,16 +1,25 @@
 //! Which patches of a file may go again: built while flying, kept under a budget, the least recently used removed first.
 
 use super::baked::PatchRecord;
-use super::rows;
+use super::rows::{self, Changed};
 use crate::globe::patch::PatchId;
 use rusqlite::{params, Connection};
 
-/// Notes that patches may go.
-pub(super) fn add(connection: &Connection, patches: &[&PatchRecord], now: i64) -> rusqlite::Result<()> {
-    let mut statement = connection.prepare_cached("INSERT OR REPLACE INTO cached VALUES (?1, ?2, ?3)")?;
-    patches.iter().try_for_each(|record| {
-        let bytes = i64::from(record.geometry_bytes) + i64::from(record.texture_bytes);
-        statement.execute(params![rows::key(record.id), now, bytes]).map(drop)
+/// Bytes that a row takes at least, whatever it lacks: its facts, its keys and its place in the tree.
+const ROW_BYTES: i64 = 256;
+
+/// Bytes that a row is counted as.
+fn bytes_of(record: &PatchRecord) -> i64 {
+    (i64::from(record.geometry_bytes) + i64::from(record.texture_bytes)).max(ROW_BYTES)
+}
+
+/// Notes that new patches may go, and of others that may go how large they are now.
+pub(super) fn add(connection: &Connection, patches: &[Changed], now: i64) -> rusqlite::Result<()> {
+    let mut insert = connection.prepare_cached("INSERT OR REPLACE INTO cached VALUES (?1, ?2, ?3)")?;
+    let mut update = connection.prepare_cached("UPDATE cached SET used = ?2, bytes = ?3 WHERE key = ?1")?;
+    patches.iter().try_for_each(|Changed { record, is_new }| {
+        let statement = if *is_new { &mut insert } else { &mut update };
+        statement.execute(params![rows::key(record.id), now, bytes_of(record)]).map(drop)
     })
 }
 

@@ -164,7 +164,7 @@ pub enum StoreError {
         /// What is wrong.
         source: RecordError,
     },
-    /// A patch that the file does not hold.
+    /// A patch, or a part of it, that the file does not hold.
     #[error("{file}: patch {id} is not in the file; bake deeper levels, or build it from the recipe")]
     Absent {
         /// The planet file.

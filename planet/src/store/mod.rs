@@ -1,7 +1,8 @@
 //! The planet file: one SQLite database that holds a recipe and the patches built from it.
 //!
-//! In: built patches. Out: the same patches, bit for bit, or a typed error that names the file and the patch. Patches travel as
-//! self-contained records ([`record`]): versioned, checksummed, one compressed stream a field ([`geometry`], [`imagery`]).
+//! In: built patches, and what was surveyed of others. Out: the same, bit for bit, or a typed error that names the file and the patch.
+//! Patches travel as self-contained records ([`record`]): versioned, checksummed, one compressed stream a field ([`geometry`],
+//! [`imagery`]).
 
 mod baked;
 mod cached;

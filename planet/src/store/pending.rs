@@ -20,19 +20,19 @@ pub(super) fn list(connection: &Connection) -> rusqlite::Result<Vec<Option<Patch
     ids
 }
 
-/// Removes the patches that are touched, and returns how many. Those that were there to stay are pending from now on; cached ones just
-/// go.
+/// Removes the patches that are touched, and returns how many. Those that were there to stay, whole, are pending from now on; cached and
+/// partial ones just go.
 pub(super) fn put_off(connection: &Connection, touched: &dyn Fn(PatchId) -> bool) -> rusqlite::Result<usize> {
     connection.execute_batch("CREATE TABLE IF NOT EXISTS pending (key INTEGER PRIMARY KEY)")?;
-    let mut all = connection.prepare("SELECT key FROM patch")?;
-    let keys = all.query_map([], |row| row.get(0))?.collect::<rusqlite::Result<Vec<i64>>>()?;
+    let mut all = connection.prepare(&format!("SELECT key, {} FROM patch", rows::WHOLE))?;
+    let found = all.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?.collect::<rusqlite::Result<Vec<(i64, bool)>>>()?;
     let mut uncache = connection.prepare_cached("DELETE FROM cached WHERE key = ?1")?;
     let mut insert = connection.prepare_cached("INSERT OR IGNORE INTO pending VALUES (?1)")?;
     let mut removed = 0;
-    for key in keys.into_iter().filter(|&key| rows::id(key).is_some_and(touched)) {
+    for (key, whole) in found.into_iter().filter(|&(key, _)| rows::id(key).is_some_and(touched)) {
         rows::remove(connection, key)?;
         removed += 1;
-        if uncache.execute([key])? == 0 {
+        if uncache.execute([key])? == 0 && whole {
             insert.execute([key])?;
         }
     }

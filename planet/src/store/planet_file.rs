@@ -14,7 +14,7 @@ use super::Region;
 use super::{cached, geometry, imagery, pending, rows};
 use crate::globe::patch::PatchId;
 use crate::ground::texture::PatchTexture;
-use crate::mesh::progressive::PatchMesh;
+use crate::mesh::progressive::{PatchFacts, PatchMesh};
 use glam::DVec3;
 use rusqlite::{params, Connection, ErrorCode, OpenFlags, OptionalExtension, TransactionBehavior};
 use std::collections::HashSet;
@@ -98,7 +98,7 @@ impl PlanetFile {
         &self.path
     }
 
-    /// All patches, coarse to fine, without their blobs.
+    /// All patches, coarse to fine, without their blobs; also those that lack their mesh, or mesh and texture.
     ///
     /// # Errors
     /// If any row is damaged, or if rows are missing.
@@ -128,20 +128,45 @@ impl PlanetFile {
         Ok(records)
     }
 
-    /// Ids of all patches in the file.
+    /// Ids of all patches in the file that have mesh and texture.
     ///
     /// # Errors
     /// As [`PlanetFile::index`].
     pub fn ids(&self) -> Result<HashSet<PatchId>, StoreError> {
-        Ok(self.index()?.into_iter().map(|r| r.id).collect())
+        Ok(self.index()?.into_iter().filter(PatchRecord::is_whole).map(|r| r.id).collect())
     }
 
-    /// Whether the file holds a patch of the ground that it was opened with.
+    /// Whether the file holds a patch's mesh, of the ground that it was opened with.
     ///
     /// # Errors
     /// If the file cannot be read.
     pub fn contains(&self, id: PatchId) -> Result<bool, StoreError> {
-        let query = "SELECT 1 FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2";
+        self.has(id, "SELECT 1 FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2 AND length(geometry) > 0")
+    }
+
+    /// Whether the file holds a patch's texture, of the ground that it was opened with.
+    ///
+    /// # Errors
+    /// If the file cannot be read.
+    pub fn contains_texture(&self, id: PatchId) -> Result<bool, StoreError> {
+        self.has(id, "SELECT 1 FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2 AND length(texture) > 0")
+    }
+
+    /// What the file knows of a patch of the ground that it was opened with, whether its mesh is there or not.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or the patch's row is damaged.
+    pub fn facts(&self, id: PatchId) -> Result<Option<PatchFacts>, StoreError> {
+        let failed = |source| failure(&self.path, "look up a patch", source);
+        let columns = rows::COLUMNS;
+        let query =
+            format!("SELECT {columns} FROM patch WHERE key = ?1 AND EXISTS (SELECT 1 FROM planet WHERE planet.checksum = ?2)");
+        let mut statement = self.connection.prepare_cached(&query).map_err(failed)?;
+        let row = statement.query_row(params![rows::key(id), self.checksum], rows::read).optional().map_err(failed)?;
+        row.map(|row| row.map(|(record, _)| record.facts).map_err(|what| self.damaged(what))).transpose()
+    }
+
+    fn has(&self, id: PatchId, query: &str) -> Result<bool, StoreError> {
         let found = self.connection.prepare_cached(query).and_then(|mut s| s.exists(params![rows::key(id), self.checksum]));
         found.map_err(|source| failure(&self.path, "look up a patch", source))
     }
@@ -149,7 +174,7 @@ impl PlanetFile {
     /// A patch's mesh.
     ///
     /// # Errors
-    /// If the patch is not in the file, or damaged.
+    /// If it is not in the file, or damaged.
     pub fn mesh(&self, id: PatchId) -> Result<PatchMesh, StoreError> {
         geometry::decode(&self.geometry_record(id)?, id, self.header.cells)
             .map_err(|source| self.damaged_patch(id, "geometry", source))
@@ -158,7 +183,7 @@ impl PlanetFile {
     /// A patch's texture.
     ///
     /// # Errors
-    /// If the patch is not in the file, or damaged.
+    /// If it is not in the file, or damaged.
     pub fn texture(&self, id: PatchId) -> Result<PatchTexture, StoreError> {
         imagery::decode(&self.texture_record(id)?, id, self.header.cells)
             .map_err(|source| self.damaged_patch(id, "texture", source))
@@ -167,17 +192,17 @@ impl PlanetFile {
     /// A patch's geometry record as it is stored.
     ///
     /// # Errors
-    /// If the patch is not in the file.
+    /// If there is none in the file.
     pub fn geometry_record(&self, id: PatchId) -> Result<Vec<u8>, StoreError> {
-        self.blob(id, "SELECT geometry FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2")
+        self.blob(id, "SELECT geometry FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2 AND length(geometry) > 0")
     }
 
     /// A patch's texture record as it is stored.
     ///
     /// # Errors
-    /// If the patch is not in the file.
+    /// If there is none in the file.
     pub fn texture_record(&self, id: PatchId) -> Result<Vec<u8>, StoreError> {
-        self.blob(id, "SELECT texture FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2")
+        self.blob(id, "SELECT texture FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2 AND length(texture) > 0")
     }
 
     fn blob(&self, id: PatchId, query: &str) -> Result<Vec<u8>, StoreError> {
@@ -211,7 +236,7 @@ impl PlanetFile {
     }
 
     /// Puts another ground in place of the file's, all or nothing: its header (of the same planet, grid and lattice); all patches that
-    /// are touched go, to be pending unless they were only cached; and `built` patches are back at once. Returns how many are touched.
+    /// are touched go, to be pending unless they were only cached or lacked a part; and `built` patches are back at once. Returns how many are touched.
     /// They are found within the transaction: a flight may add patches until it begins, and none of the ground before from then on.
     ///
     /// # Errors
@@ -227,15 +252,15 @@ impl PlanetFile {
             header::replace(connection, header)?;
             removed = pending::put_off(connection, touched)?;
             rows::insert(connection, built)?;
-            pending::done(connection, built.iter().map(|p| p.record.id))
+            pending::done(connection, built.iter().filter(|p| p.record.is_whole()).map(|p| p.record.id))
         })?;
         self.header = header.clone();
         self.checksum = header.checksum();
         Ok(removed)
     }
 
-    /// Adds patches, all or none of them, to stay. Patches that the file holds already are the same and stay as they are; if they were
-    /// only cached, they are kept from now on.
+    /// Adds patches, all or none of them, to stay. Parts that the file holds already are the same and stay as they are, those that it
+    /// lacks are added; patches that were only cached are kept from now on.
     ///
     /// # Errors
     /// If the file was opened for reading, or cannot be written.
@@ -243,30 +268,31 @@ impl PlanetFile {
         self.transaction("add patches", |connection| {
             rows::insert(connection, patches)?;
             cached::keep(connection, patches.iter().map(|p| p.record.id))?;
-            pending::done(connection, patches.iter().map(|p| p.record.id))
+            pending::done(connection, patches.iter().filter(|p| p.record.is_whole()).map(|p| p.record.id))
         })
     }
 
-    /// Keeps patches that the file holds already, even if they were only cached.
+    /// Keeps patches that the file holds already, whole, even if they were only cached.
     ///
     /// # Errors
     /// As [`PlanetFile::put`].
     pub fn keep(&mut self, ids: &[PatchId]) -> Result<(), StoreError> {
         self.transaction("keep patches", |connection| {
-            cached::keep(connection, ids.iter().copied())?;
-            pending::done(connection, ids.iter().copied())
+            let whole = rows::whole(connection, ids)?;
+            cached::keep(connection, whole.iter().copied())?;
+            pending::done(connection, whole.into_iter())
         })
     }
 
-    /// Adds patches that may go again, notes when patches were used (any count that grows), and removes those unused for longest until
+    /// Adds patches, or parts of them, that may go again (not those of patches that stay), notes when patches were used (any count that grows), and removes those unused for longest until
     /// all that may go hold at most `budget` bytes. All or nothing.
     ///
     /// # Errors
     /// As [`PlanetFile::put`].
     pub fn cache(&mut self, patches: &[BakedPatch], used: &[PatchId], now: i64, budget: u64) -> Result<(), StoreError> {
         self.transaction("cache patches", |connection| {
-            let added = rows::insert(connection, patches)?;
-            cached::add(connection, &added, now)?;
+            let changed = rows::insert(connection, patches)?;
+            cached::add(connection, &changed, now)?;
             cached::touch(connection, used, now)?;
             cached::evict(connection, budget)
         })

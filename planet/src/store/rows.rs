@@ -4,11 +4,14 @@ use super::baked::{BakedPatch, PatchRecord};
 use super::facts;
 use crate::globe::patch::PatchId;
 use crate::globe::sphere::Face;
-use rusqlite::{params, params_from_iter, Connection, Row, ToSql};
+use rusqlite::{params, params_from_iter, Connection, OptionalExtension, Row, ToSql};
 
 /// Columns that [`read`] reads, in its order.
 pub(super) const COLUMNS: &str = "key, face, level, x, y, low_x, low_y, low_z, high_x, high_y, high_z, lowest, highest, \
      child_wake, quarters, always_awake, checksum, length(geometry), length(texture)";
+
+/// Whether a row of the patch table has all its parts.
+pub(super) const WHOLE: &str = "(length(geometry) > 0 AND length(texture) > 0)";
 
 /// Where the facts begin among them, and what follows the facts.
 const FACTS_AT: usize = 5;
@@ -61,27 +64,85 @@ pub(super) fn read(row: &Row) -> rusqlite::Result<Result<(PatchRecord, u32), Str
     })
 }
 
-/// Adds the patches that are not there yet, and returns which those were.
-pub(super) fn insert<'a>(connection: &Connection, patches: &'a [BakedPatch]) -> rusqlite::Result<Vec<&'a PatchRecord>> {
-    let mut statement = connection.prepare_cached(
-        "INSERT OR IGNORE INTO patch VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,?17,?18,?19)",
-    )?;
-    let mut added = Vec::new();
-    for BakedPatch { record, geometry, texture } in patches {
-        let id = record.id;
-        let address = [key(id), id.face.index().into(), id.level.into(), id.x.into(), id.y.into()];
-        let (facts, stated) = (facts::columns(&record.facts), [record.always_awake, checksum(record)]);
-        let address = address.iter().map(|number| number as &dyn ToSql);
-        let stated = stated.iter().map(|number| number as &dyn ToSql);
-        let values = address.chain(facts.iter().map(|value| value as &dyn ToSql)).chain(stated);
-        let values = values.chain([geometry as &dyn ToSql, texture]);
-        if statement.execute(params_from_iter(values))? == 1 {
-            added.push(record);
+/// A row that [`insert`] added or completed.
+pub(super) struct Changed {
+    /// What the row says now.
+    pub(super) record: PatchRecord,
+    /// Whether there was none before.
+    pub(super) is_new: bool,
+}
+
+/// Adds the patches that are not there yet and the parts that rows lack, and returns what changed. Parts that are there stay as they
+/// are: a patch has the same bytes whoever built it. So does a damaged row, whose checksum would else be put right.
+pub(super) fn insert(connection: &Connection, patches: &[BakedPatch]) -> rusqlite::Result<Vec<Changed>> {
+    let mut find = connection.prepare_cached(&format!("SELECT {COLUMNS} FROM patch WHERE key = ?1"))?;
+    let mut changed = Vec::new();
+    let (mut added, mut combined) = (0, 0);
+    for patch in patches {
+        match find.query_row([key(patch.record.id)], read).optional()? {
+            None => {
+                add(connection, patch)?;
+                added += 1;
+                combined ^= checksum(&patch.record);
+                changed.push(Changed { record: patch.record, is_new: true });
+            }
+            Some(Ok((there, before))) => {
+                if let Some(record) = complete(connection, &there, patch)? {
+                    combined ^= before ^ checksum(&record);
+                    changed.push(Changed { record, is_new: false });
+                }
+            }
+            Some(Err(_)) => {}
         }
     }
-    let combined = added.iter().fold(0, |all, record| all ^ checksum(record));
-    count(connection, added.len() as i64, combined)?;
-    Ok(added)
+    count(connection, added, combined)?;
+    Ok(changed)
+}
+
+fn add(connection: &Connection, BakedPatch { record, geometry, texture }: &BakedPatch) -> rusqlite::Result<()> {
+    let mut statement = connection
+        .prepare_cached("INSERT INTO patch VALUES (?1,?2,?3,?4,?5,?6,?7,?8,?9,?10,?11,?12,?13,?14,?15,?16,?17,?18,?19)")?;
+    let id = record.id;
+    let address = [key(id), id.face.index().into(), id.level.into(), id.x.into(), id.y.into()];
+    let (facts, stated) = (facts::columns(&record.facts), [record.always_awake, checksum(record)]);
+    let address = address.iter().map(|number| number as &dyn ToSql);
+    let stated = stated.iter().map(|number| number as &dyn ToSql);
+    let values = address.chain(facts.iter().map(|value| value as &dyn ToSql)).chain(stated);
+    statement.execute(params_from_iter(values.chain([geometry as &dyn ToSql, texture]))).map(drop)
+}
+
+/// Adds to a row the parts that it lacks and the patch has; the record that it has then, if that is another.
+fn complete(connection: &Connection, there: &PatchRecord, patch: &BakedPatch) -> rusqlite::Result<Option<PatchRecord>> {
+    let geometry = (!there.has_mesh() && patch.record.has_mesh()).then_some(&patch.geometry);
+    let texture = (!there.has_texture() && patch.record.has_texture()).then_some(&patch.texture);
+    let mut record = *there;
+    if geometry.is_some() {
+        (record.always_awake, record.geometry_bytes) = (patch.record.always_awake, patch.record.geometry_bytes);
+    }
+    if texture.is_some() {
+        record.texture_bytes = patch.record.texture_bytes;
+    }
+    if record == *there {
+        return Ok(None);
+    }
+    let mut statement = connection.prepare_cached(
+        "UPDATE patch SET always_awake = ?2, checksum = ?3, geometry = coalesce(?4, geometry), texture = coalesce(?5, texture) \
+         WHERE key = ?1",
+    )?;
+    statement.execute(params![key(record.id), record.always_awake, checksum(&record), geometry, texture])?;
+    Ok(Some(record))
+}
+
+/// Which of the patches are there, whole.
+pub(super) fn whole(connection: &Connection, ids: &[PatchId]) -> rusqlite::Result<Vec<PatchId>> {
+    let mut statement = connection.prepare_cached(&format!("SELECT 1 FROM patch WHERE key = ?1 AND {WHOLE}"))?;
+    let mut found = Vec::with_capacity(ids.len());
+    for &id in ids {
+        if statement.exists([key(id)])? {
+            found.push(id);
+        }
+    }
+    Ok(found)
 }
 
 /// Removes a patch.

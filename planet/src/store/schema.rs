@@ -14,7 +14,7 @@ pub const FORMAT_VERSION: u32 = 5;
 /// `cached` names the patches that were built while flying and may go again; the others were baked to stay.
 ///
 /// Everything but the pragmas that stamp the file. The patch key packs face, level, column and row, so that a patch is found
-/// through one tree; blobs come last, so that an index is read without them.
+/// through one tree; blobs come last, so that an index is read without them. An empty blob is a part that the patch lacks.
 pub(super) const TABLES: &str = "
 CREATE TABLE planet (
     name TEXT NOT NULL, recipe TEXT NOT NULL, cells INTEGER NOT NULL, kappa REAL NOT NULL, deviation_share REAL NOT NULL,

@@ -60,7 +60,7 @@ impl Run for Compare {
         check_tolerance(self.error)?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
-        let tree = planet.tree(file.index()?.iter().map(|r| (r.id, r.facts)));
+        let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));
         let setting = Setting::new(tree, Box::new(move |id| file.mesh(id)));
         let effort = Effort { pixels: self.pixels as usize, block: self.block as usize };
         let mut paths = Vec::new();

@@ -22,7 +22,12 @@ pub(crate) struct Info {
 /// Patches of one level.
 struct Level {
     level: u8,
+    /// Those with a mesh.
     patches: u64,
+    /// Those of which only the texture is there, beside the facts.
+    textured: u64,
+    /// Those of which only the facts are there.
+    surveyed: u64,
     whole: u64,
     geometry: u64,
     texture: u64,
@@ -33,10 +38,15 @@ fn levels(index: &[PatchRecord]) -> Vec<Level> {
     for record in index {
         if levels.last().is_none_or(|l| l.level != record.id.level) {
             let level = record.id.level;
-            levels.push(Level { level, patches: 0, whole: 6 << (2 * level), geometry: 0, texture: 0 });
+            let whole = 6 << (2 * level);
+            levels.push(Level { level, patches: 0, textured: 0, surveyed: 0, whole, geometry: 0, texture: 0 });
         }
         if let Some(level) = levels.last_mut() {
-            level.patches += 1;
+            match (record.has_mesh(), record.has_texture()) {
+                (true, _) => level.patches += 1,
+                (false, true) => level.textured += 1,
+                (false, false) => level.surveyed += 1,
+            }
             level.geometry += u64::from(record.geometry_bytes);
             level.texture += u64::from(record.texture_bytes);
         }
@@ -49,15 +59,15 @@ impl Run for Info {
         let file = PlanetFile::open(&self.file)?;
         let (header, levels, regions) = (file.header(), levels(&file.index()?), file.regions()?);
         let (planet, pending) = (Planet::from_header(header)?, file.pending()?);
-        let patches: u64 = levels.iter().map(|l| l.patches).sum();
+        let sum = |count: fn(&Level) -> u64| levels.iter().map(count).sum::<u64>();
+        let [patches, textured, surveyed] = [sum(|l| l.patches), sum(|l| l.textured), sum(|l| l.surveyed)];
         let vertices = patches * u64::from(header.cells + 1).pow(2);
-        let geometry: u64 = levels.iter().map(|l| l.geometry).sum();
-        let texture: u64 = levels.iter().map(|l| l.texture).sum();
+        let [geometry, texture] = [sum(|l| l.geometry), sum(|l| l.texture)];
         let bytes_per_vertex = geometry as f64 / vertices.max(1) as f64;
         if self.json {
             let level = |l: &Level| {
-                json!({ "level": l.level, "patches": l.patches, "whole_planet": l.whole,
-                    "geometry_bytes": l.geometry, "texture_bytes": l.texture })
+                json!({ "level": l.level, "patches": l.patches, "textures_only": l.textured,
+                    "surveyed_only": l.surveyed, "whole_planet": l.whole, "geometry_bytes": l.geometry, "texture_bytes": l.texture })
             };
             let region = |r: &terrane_planet::store::Region| {
                 let (latitude, longitude) = latitude_longitude(r.direction);
@@ -66,7 +76,7 @@ impl Run for Info {
             let info = json!({
                 "name": header.name, "format_version": FORMAT_VERSION, "radius_m": planet.recipe.radius, "cells": header.cells,
                 "lattice_unit_m": header.lattice.unit, "lowest_m": header.height_range[0], "highest_m": header.height_range[1],
-                "patches": patches, "vertices": vertices, "geometry_bytes": geometry, "texture_bytes": texture,
+                "patches": patches, "textures_only": textured, "surveyed_only": surveyed, "vertices": vertices, "geometry_bytes": geometry, "texture_bytes": texture,
                 "bytes_per_vertex": bytes_per_vertex, "levels": levels.iter().map(level).collect::<Vec<_>>(),
                 "edits": planet.recipe.edits.iter().map(edit_json).collect::<Vec<_>>(), "pending": pending.len(),
                 "regions": regions.iter().map(region).collect::<Vec<_>>(),
@@ -83,6 +93,9 @@ impl Run for Info {
         println!("{patches} patches, geometry {geometry} bytes ({bytes_per_vertex:.2} a vertex), texture {texture} bytes");
         for l in &levels {
             println!("  level {:2}: {} of {} patches", l.level, l.patches, l.whole);
+        }
+        if textured + surveyed > 0 {
+            println!("beside them {surveyed} patches surveyed only, {textured} with textures only");
         }
         for region in &regions {
             let (latitude, longitude) = latitude_longitude(region.direction);

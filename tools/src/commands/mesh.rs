@@ -51,7 +51,7 @@ impl Run for Mesh {
         let format = Format::of(&self.out)?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
-        let tree = planet.tree(file.index()?.iter().map(|r| (r.id, r.facts)));
+        let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));
         let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error);
         let surface = view_surface(&tree, &view, self.whole, |id| file.mesh(id).map(|m| LoadedPatch::new(m, &planet.lattice)))?;
         let origin = match (self.centre, format) {
