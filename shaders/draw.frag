@@ -49,14 +49,15 @@ Ground fetch(uint slot, vec2 grid, float lod) {
     return Ground(textureLod(slopes, at, lod).xy, color.rgb, color.a, textureLod(relief, vertex, 0.0).xy);
 }
 
-// The patch's own texture fades in over its parent's by distance, so that no switch of detail is seen. The mip level comes from
+// Textures are those of the patch or of an ancestor, whichever is fine enough. They fade in over those of the next coarser patch by distance, so that no switch of detail is seen. The mip level comes from
 // distance and slant, not from screen derivatives: those differ between the triangles of one surface, and show its edges.
 Ground ground_of(PatchDraw target, float distance, float slant) {
     float lod = log2(distance / target.texel_distance) - 0.5 * log2(max(slant, 0.02));
-    Ground own = fetch(target.slot, in_grid, lod);
+    vec2 at = target.texture_corner + target.texture_cell * in_grid;
+    Ground own = fetch(target.slot, at, lod);
     float parent_share = smoothstep(0.65, 1.0, distance / target.fade_distance);
     if (target.parent_slot != NO_SLOT && parent_share > 0.0) {
-        vec2 grid = 0.5 * (in_grid + float(view.cells) * vec2(target.quarter));
+        vec2 grid = 0.5 * (at + float(view.cells) * vec2(target.quarter));
         Ground parent = fetch(target.parent_slot, grid, lod - 1.0);
         own.slope = mix(own.slope, parent.slope, parent_share);
         own.albedo = mix(own.albedo, parent.albedo, parent_share);

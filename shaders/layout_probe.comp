@@ -37,6 +37,9 @@ void main() {
     words[at++] = bits(patchdraw.parent_slot);
     words[at++] = bits(patchdraw.quarter.x);
     words[at++] = bits(patchdraw.quarter.y);
+    words[at++] = bits(patchdraw.texture_corner.x);
+    words[at++] = bits(patchdraw.texture_corner.y);
+    words[at++] = bits(patchdraw.texture_cell);
     words[at++] = bits(patchdraw.fade_distance);
     words[at++] = bits(patchdraw.texel_distance);
     words[at++] = bits(patchdraw.grid_axis.x);

@@ -46,13 +46,13 @@ impl Site {
     }
 
     fn surveyed(&self, id: PatchId) -> BakedPatch {
-        BakedPatch::surveyed(id, &Survey::new(&self.planet.ground(), id).facts, CELLS, None).unwrap()
+        BakedPatch::in_part(id, &Survey::new(&self.planet.ground(), id).facts, CELLS, None, None).unwrap()
     }
 
     fn textured(&self, id: PatchId) -> BakedPatch {
         let ground = self.planet.ground();
         let survey = Survey::new(&ground, id);
-        BakedPatch::surveyed(id, &survey.facts, CELLS, Some(&survey.texture(&ground, &self.planet.terrain))).unwrap()
+        BakedPatch::in_part(id, &survey.facts, CELLS, None, Some(&survey.texture(&ground, &self.planet.terrain))).unwrap()
     }
 }
 
@@ -109,10 +109,10 @@ fn facts_that_no_builder_makes_are_not_stored() {
     let (site, id) = (Site::new(), ids()[0]);
     let mut facts = site.surveyed(id).record.facts;
     facts.child_wake = f64::NAN;
-    assert!(matches!(BakedPatch::surveyed(id, &facts, CELLS, None), Err(RecordError::Measure(_))));
+    assert!(matches!(BakedPatch::in_part(id, &facts, CELLS, None, None), Err(RecordError::Measure(_))));
     let texture = site.planet.build(id).1;
     let facts = site.surveyed(id).record.facts;
-    assert!(matches!(BakedPatch::surveyed(id, &facts, 16, Some(&texture)), Err(RecordError::Short { .. })));
+    assert!(matches!(BakedPatch::in_part(id, &facts, 16, None, Some(&texture)), Err(RecordError::Short { .. })));
 }
 
 /// Every order in which the parts may arrive leads to the same row, and none of them loses what is there.
@@ -203,7 +203,7 @@ fn an_edit_removes_parts_and_leaves_nothing_to_build_for_them() {
     // What is known of a pending patch does not bring it back; building it does.
     let pending = *file.pending().unwrap().first().unwrap();
     let survey = Survey::new(&changed.planet.ground(), pending);
-    file.put(&[BakedPatch::surveyed(pending, &survey.facts, CELLS, None).unwrap()]).unwrap();
+    file.put(&[BakedPatch::in_part(pending, &survey.facts, CELLS, None, None).unwrap()]).unwrap();
     file.keep(&[pending]).unwrap();
     assert!(file.pending().unwrap().contains(&pending));
     finish(&mut file, &changed.planet, 2, &|_| {}, &AtomicBool::new(false)).unwrap();

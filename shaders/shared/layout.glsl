@@ -20,6 +20,8 @@ struct PatchDraw {
     uint slot;
     uint parent_slot;
     uvec2 quarter;
+    vec2 texture_corner;
+    float texture_cell;
     float fade_distance;
     float texel_distance;
     vec3 grid_axis;

@@ -55,9 +55,13 @@ impl FrameTables {
 
     fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, patch: &ResidentMesh) {
         let work = patch.work(view);
-        let parent = leaf.id.parent();
         let metres = |level: u8| texture_distance(scene.tree(), view, level) * scene.tree().lattice.unit;
+        let textures = scene.textures_of(view, leaf.id);
+        let parent = textures.patch.parent();
         let fade = parent.map_or(f64::MAX, |p| metres(p.level));
+        let finer = leaf.id.level - textures.patch.level;
+        let texture_cell = 0.5f32.powi(finer.into());
+        let corner = |own: u32, theirs: u32| (own - (theirs << finer)) as f32 * texture_cell * scene.tree().cells as f32;
         let number = self.patches.len() as u32;
         let mut grid_axis = [0.0; 3];
         grid_axis[leaf.id.face.grid_axes().0] = 1.0;
@@ -69,11 +73,13 @@ impl FrameTables {
             resolve_offset: self.vertices,
             coarser_sides: u32::from(leaf.coarser_sides),
             level: u32::from(leaf.id.level),
-            slot: scene.slot(leaf.id).unwrap_or(0),
+            slot: textures.slot,
             parent_slot: parent.and_then(|p| scene.slot(p)).unwrap_or(NO_SLOT),
-            quarter: [leaf.id.x % 2, leaf.id.y % 2],
+            quarter: [textures.patch.x % 2, textures.patch.y % 2],
+            texture_corner: [corner(leaf.id.x, textures.patch.x), corner(leaf.id.y, textures.patch.y)],
+            texture_cell,
             fade_distance: fade as f32,
-            texel_distance: (TEXEL_PIXELS * metres(leaf.id.level)) as f32,
+            texel_distance: (TEXEL_PIXELS * metres(textures.patch.level)) as f32,
             grid_axis,
         });
         self.leaves.push(leaf);

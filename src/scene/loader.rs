@@ -29,7 +29,7 @@ pub(super) fn bytes_under_way(cells: u32) -> u64 {
 /// What a worker found out about a patch, and what of it is ready for upload.
 pub(super) struct Loaded {
     pub(super) id: PatchId,
-    pub(super) facts: PatchFacts,
+    pub(super) facts: Option<PatchFacts>,
     pub(super) mesh: Option<LoadedMesh>,
     pub(super) texture: Option<LoadedTexture>,
 }
@@ -49,14 +49,19 @@ pub(super) struct LoadedTexture {
 /// What a worker is asked for.
 #[derive(Clone, Debug)]
 pub(super) enum Request {
-    /// To find out what is known of a patch, and to load it whole if the view draws it and not its children.
+    /// To find out what is known of a patch, and to load of it what the view draws.
     Explore(Arc<View>),
-    /// The whole patch.
-    Patch,
-    /// Its textures only: they show through its children's.
-    Texture,
+    /// Parts of a patch.
+    Load(Parts),
     /// Only its horizon angles and ambient occlusion, for a patch whose textures are on the GPU.
     Horizon,
+}
+
+/// Parts of a patch that are loaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Parts {
+    pub(super) mesh: bool,
+    pub(super) texture: bool,
 }
 
 /// A patch, what is asked for of it, and how urgent it is (smaller is more urgent).
@@ -217,8 +222,7 @@ impl Worker {
         while let Some((id, request)) = self.shared.next() {
             let response = match request {
                 Request::Explore(view) => self.source.explore(id, &view).map(|loaded| Response::Patch(Box::new(loaded))),
-                Request::Patch => self.source.load(id).map(|loaded| Response::Patch(Box::new(loaded))),
-                Request::Texture => self.source.load_texture(id).map(|loaded| Response::Patch(Box::new(loaded))),
+                Request::Load(parts) => self.source.load(id, parts).map(|loaded| Response::Patch(Box::new(loaded))),
                 Request::Horizon => Ok(Response::Horizon(id, self.source.relief(id))),
             };
             if self.sender.send((id, response)).is_err() {

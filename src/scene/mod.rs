@@ -22,7 +22,7 @@ pub use textures::TexturePool;
 use crate::vulkan::{Commands, Context, Upload, VulkanError};
 use glam::DVec3;
 use keeper::Keeper;
-use loader::{Loaded, Loader, Order, Request, Response};
+use loader::{Loaded, Loader, Order, Parts, Request, Response};
 use options::Budget;
 use source::{Source, Sun, Tally};
 use std::collections::{HashMap, HashSet};
@@ -30,7 +30,7 @@ use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
-use terrane_planet::draw::cut::{cut, cut_by, cut_in_sight, shows_through, urgency_within, Cut};
+use terrane_planet::draw::cut::{cut, cut_by, cut_in_sight, shows_through, texture_level, urgency_within, Cut};
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
@@ -38,7 +38,7 @@ use terrane_planet::globe::patch::{PatchId, MIN_CELLS};
 use terrane_planet::ground::horizon::WideGrids;
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::query::KnownGround;
-use terrane_planet::store::{PlanetFile, StoreError};
+use terrane_planet::store::{PatchRecord, PlanetFile, StoreError};
 use thiserror::Error;
 
 /// Bytes staged at a time.
@@ -97,6 +97,15 @@ pub struct SceneTally {
     pub build_s: f64,
 }
 
+/// The textures that a patch is drawn with.
+#[derive(Clone, Copy, Debug)]
+pub struct PatchTextures {
+    /// Whose they are: its own or an ancestor's.
+    pub patch: PatchId,
+    /// Their slot.
+    pub slot: u32,
+}
+
 /// A planet and its patches on the GPU.
 pub struct Scene {
     context: Arc<Context>,
@@ -127,8 +136,11 @@ impl Scene {
     pub fn open(context: &Arc<Context>, path: &Path, options: SceneOptions) -> Result<Scene, SceneError> {
         let file = PlanetFile::open(path)?;
         let planet = Arc::new(Planet::from_header(file.header())?);
-        let records = file.index()?;
-        let missing = PatchId::roots().filter(|root| !records.iter().any(|r| r.id == *root)).count();
+        let mut records = file.index()?;
+        if options.on_demand.is_none() {
+            records.retain(PatchRecord::has_mesh);
+        }
+        let missing = PatchId::roots().filter(|root| !records.iter().any(|r| r.id == *root && r.has_mesh())).count();
         if missing > 0 && options.on_demand.is_none() {
             return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
         }
@@ -139,6 +151,9 @@ impl Scene {
             tree = tree.built_to(planet.level_of_spacing(on_demand.spacing_m));
             most_patches = u32::MAX;
             keeper = on_demand.cache.as_ref().and_then(|cache| Keeper::start(path, file.header(), cache));
+            if let Some(side) = keeper.as_ref().and_then(|keeper| keeper.side.as_ref()) {
+                PlanetFile::open(side)?.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
+            }
         }
         let Budget { capacity, under_way } =
             Budget::new(&options, planet.cells, most_patches, context.limits().max_image_array_layers);
@@ -165,7 +180,8 @@ impl Scene {
             })
         })?;
         // The workers read the first patches while the clouds are made.
-        loader.request(PatchId::roots().map(|id| (id, Request::Patch, 0.0)).collect());
+        let whole = Parts { mesh: true, texture: options.textures };
+        loader.request(PatchId::roots().map(|id| (id, Request::Load(whole), 0.0)).collect());
         let clouds = CloudMaps::new(context, &planet.recipe, options.textures)?;
         let mut scene = Scene {
             context: context.clone(),
@@ -224,6 +240,37 @@ impl Scene {
         self.resident.get(&id)?.slot
     }
 
+    /// The textures that a view draws a patch with: of the level that is fine enough, or coarser as long as those are not there.
+    pub fn textures_of(&self, view: &View, id: PatchId) -> PatchTextures {
+        let mut at = Some(self.textures_wanted(view, id));
+        while let Some(patch) = at {
+            if let Some(slot) = self.slot(patch) {
+                return PatchTextures { patch, slot };
+            }
+            at = patch.parent();
+        }
+        PatchTextures { patch: id, slot: 0 }
+    }
+
+    /// The patch whose textures a view would draw a patch with.
+    fn textures_wanted(&self, view: &View, id: PatchId) -> PatchId {
+        let level = self.tree.get(id).map_or(id.level, |node| texture_level(&self.tree, view, id.level, &node.space));
+        id.ancestor(level)
+    }
+
+    /// The patches whose textures the drawn ones show.
+    fn textures_shown(&self, view: &View, cut: &Cut) -> HashSet<PatchId> {
+        let mut shown = HashSet::new();
+        for leaf in cut.leaves.iter().filter(|_| self.has_textures) {
+            let patch = self.textures_wanted(view, leaf.id);
+            let coarser = patch.parent().filter(|parent| {
+                self.tree.get(leaf.id).is_some_and(|node| shows_through(&self.tree, view, parent.level, &node.space))
+            });
+            shown.extend([patch].into_iter().chain(coarser));
+        }
+        shown
+    }
+
     /// Number of patches on the GPU, those included of which only the textures are.
     pub fn resident_count(&self) -> usize {
         self.resident.len()
@@ -275,15 +322,11 @@ impl Scene {
         }
     }
 
-    /// Drawn patches, and those that show through them, whose light is that of an earlier sun.
-    fn stale(&self, cut: &Cut) -> Vec<PatchId> {
+    /// Of the patches whose textures are shown, those whose light is that of an earlier sun.
+    fn stale(&self, shown: &HashSet<PatchId>) -> Vec<PatchId> {
         let number = self.sun.read().unwrap_or_else(PoisonError::into_inner).number;
-        let drawn = cut.leaves.iter().flat_map(|leaf| [Some(leaf.id), leaf.id.parent()]).flatten();
-        let mut stale: Vec<PatchId> =
-            drawn.filter(|id| self.resident.get(id).is_some_and(|patch| patch.slot.is_some() && patch.sun != number)).collect();
-        stale.sort_unstable();
-        stale.dedup();
-        stale
+        let of_earlier = |id: &&PatchId| self.resident.get(id).is_some_and(|patch| patch.slot.is_some() && patch.sun != number);
+        shown.iter().filter(of_earlier).copied().collect()
     }
 
     /// Textures of the resident patches.
@@ -324,11 +367,12 @@ impl Scene {
             Scope::Still | Scope::Flight => cut_in_sight(&self.tree, view, self.scope == Scope::Flight, self.share, &drawable),
         };
         self.ground.follow(&cut);
-        let (stale, untextured) = (self.stale(&cut), self.untextured(view, &cut));
-        let complete = cut.wanted.is_empty() && untextured.is_empty();
+        let shown = self.textures_shown(view, &cut);
+        let stale = self.stale(&shown);
+        let complete = cut.wanted.is_empty() && shown.iter().all(|id| self.slot(*id).is_some());
         self.settled = stale.is_empty() && complete;
-        self.mark_used(&cut);
-        let mut orders = self.orders(view, &cut, &untextured);
+        self.mark_used(&cut, &shown);
+        let mut orders = self.orders(view, &cut, &shown);
         if self.scope == Scope::Flight && complete && self.is_roomy() {
             orders.extend(self.surroundings(view));
         }
@@ -357,31 +401,23 @@ impl Scene {
         self.share < 1.0
     }
 
-    /// Parents of drawn patches whose textures show through and are not resident.
-    fn untextured(&self, view: &View, cut: &Cut) -> HashSet<PatchId> {
-        let shown = |id: PatchId| {
-            let parent = id.parent().filter(|&parent| self.has_textures && self.slot(parent).is_none())?;
-            let space = &self.tree.get(id)?.space;
-            shows_through(&self.tree, view, parent.level, space).then_some(parent)
-        };
-        cut.leaves.iter().filter_map(|leaf| shown(leaf.id)).collect()
-    }
-
     /// What the workers are to do for a view.
-    fn orders(&self, view: &View, cut: &Cut, untextured: &HashSet<PatchId>) -> Vec<Order> {
-        let snapshot = Arc::new(*view);
-        let order = |&(id, urgency): &(PatchId, f64)| {
-            let known = self.tree.get(id).is_some();
-            (id, if known { Request::Patch } else { Request::Explore(snapshot.clone()) }, urgency)
-        };
-        let mut orders: Vec<Order> = cut.wanted.iter().map(order).collect();
+    fn orders(&self, view: &View, cut: &Cut, shown: &HashSet<PatchId>) -> Vec<Order> {
+        let mut meshes: HashMap<PatchId, f64> = cut.wanted.iter().copied().collect();
         if self.scope != Scope::Still {
             // Coarse to fine: their urgency is smaller than that of what replaces them.
-            orders.extend(cut.above.iter().filter(|(id, _)| self.mesh(*id).is_none()).map(order));
+            meshes.extend(cut.above.iter().copied().filter(|(id, _)| self.mesh(*id).is_none()));
         }
-        let asked: HashSet<PatchId> = orders.iter().map(|(id, ..)| *id).collect();
-        let textures = untextured.iter().filter(|id| !asked.contains(id));
-        orders.extend(textures.map(|&id| (id, Request::Texture, AFTER_MESHES)));
+        let textures: HashSet<PatchId> = shown.iter().copied().filter(|id| self.slot(*id).is_none()).collect();
+        let snapshot = Arc::new(*view);
+        let mesh_order = |(&id, &urgency): (&PatchId, &f64)| {
+            let parts = Parts { mesh: true, texture: textures.contains(&id) };
+            (id, if self.tree.get(id).is_some() { Request::Load(parts) } else { Request::Explore(snapshot.clone()) }, urgency)
+        };
+        let mut orders: Vec<Order> = meshes.iter().map(mesh_order).collect();
+        let only = Parts { mesh: false, texture: true };
+        let alone = textures.iter().filter(|id| !meshes.contains_key(id));
+        orders.extend(alone.map(|&id| (id, Request::Load(only), AFTER_MESHES)));
         orders
     }
 
@@ -423,14 +459,14 @@ impl Scene {
         }
     }
 
-    fn mark_used(&mut self, cut: &Cut) {
+    fn mark_used(&mut self, cut: &Cut, shown: &HashSet<PatchId>) {
         // Those that wait for others count as used: taken out to make room for these, they would be asked for for ever.
         for id in cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id)) {
             if let Some(patch) = self.resident.get_mut(&id) {
                 patch.last_used = self.frame;
             }
         }
-        for id in cut.leaves.iter().flat_map(|leaf| [Some(leaf.id), leaf.id.parent()]).flatten() {
+        for id in cut.leaves.iter().map(|leaf| leaf.id).chain(shown.iter().copied()) {
             if let Some(patch) = self.resident.get_mut(&id) {
                 patch.last_used = self.frame;
             }
@@ -459,7 +495,9 @@ impl Scene {
 
     fn stage_patch(&mut self, loaded: Loaded, upload: &mut Upload) -> Result<(), SceneError> {
         let Loaded { id, facts, mesh, texture } = loaded;
-        self.tree.insert(id, &facts);
+        if let Some(facts) = facts {
+            self.tree.insert(id, &facts);
+        }
         let patch = self.resident.get(&id);
         let mesh = mesh.filter(|_| patch.is_none_or(|patch| patch.mesh.is_none()));
         let texture = texture.filter(|_| patch.is_none_or(|patch| patch.slot.is_none()));

@@ -2,21 +2,21 @@
 //! same.
 
 use super::keeper::KeeperHandle;
-use super::loader::{Loaded, LoadedMesh, LoadedTexture};
+use super::loader::{Loaded, LoadedMesh, LoadedTexture, Parts};
 use super::options::Scope;
 use super::textures::{Relief, TextureMips};
 use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
-use terrane_planet::draw::cut::{shows_through, urgency};
+use terrane_planet::draw::cut::{shows_textures, urgency};
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::ground::horizon::{HorizonMap, WideGrids};
 use terrane_planet::ground::texture::PatchTexture;
-use terrane_planet::mesh::progressive::PatchMesh;
+use terrane_planet::mesh::progressive::{PatchFacts, PatchMesh};
 use terrane_planet::mesh::survey::Survey;
 use terrane_planet::planet::Planet;
 use terrane_planet::query::PatchGrid;
@@ -67,94 +67,87 @@ pub(super) struct Source {
 }
 
 impl Source {
-    /// Finds out what is known of a patch. What no file holds is surveyed, and built at once if the view draws it.
+    /// Finds out what is known of a patch, and loads of it what the view draws.
     pub(super) fn explore(&self, id: PatchId, view: &View) -> Result<Loaded, StoreError> {
-        if let Some(loaded) = self.read(id)? {
-            return Ok(loaded);
-        }
-        let survey = self.survey(id)?;
-        let node = self.tree.node(id, &survey.facts);
-        let splits = self.tree.can_split(id) && urgency(&self.tree, view, id.level, &node) < 1.0;
-        if !splits || self.scope != Scope::Still {
-            return Ok(self.build(&survey));
-        }
-        let textured = self.textures && shows_through(&self.tree, view, id.level, &node.space);
-        let texture = textured.then(|| self.texture(&survey));
-        Ok(Loaded { id, facts: survey.facts, mesh: None, texture })
-    }
-
-    /// Reads or builds a patch.
-    pub(super) fn load(&self, id: PatchId) -> Result<Loaded, StoreError> {
-        if let Some(loaded) = self.read(id)? {
-            return Ok(loaded);
-        }
-        let survey = self.survey(id)?;
-        Ok(self.build(&survey))
-    }
-
-    /// Reads a patch's textures, or makes them.
-    pub(super) fn load_texture(&self, id: PatchId) -> Result<Loaded, StoreError> {
+        let mut found = Found::default();
         for file in &self.files {
-            if file.contains(id)? {
-                let facts = file.mesh(id)?.facts;
-                let texture = Some(self.prepare_texture(id, &file.texture(id)?));
-                return Ok(Loaded { id, facts, mesh: None, texture });
-            }
+            found.facts = found.facts.or(file.facts(id)?);
         }
-        let survey = self.survey(id)?;
-        Ok(Loaded { id, facts: survey.facts, mesh: None, texture: Some(self.texture(&survey)) })
+        if found.facts.is_none() {
+            let survey = self.survey(id);
+            (found.facts, found.survey) = (Some(survey.facts), Some(survey));
+        }
+        let node = found.facts.map(|facts| self.tree.node(id, &facts));
+        let is_drawn = node.is_some_and(|node| !self.tree.can_split(id) || urgency(&self.tree, view, id.level, &node) >= 1.0);
+        let shown = node.is_some_and(|node| shows_textures(&self.tree, view, id, &node.space, is_drawn));
+        self.load_into(found, id, Parts { mesh: is_drawn || self.scope != Scope::Still, texture: self.textures && shown })
     }
 
-    /// Reads a patch from the first file that holds it.
-    fn read(&self, id: PatchId) -> Result<Option<Loaded>, StoreError> {
-        for file in &self.files {
-            if file.contains(id)? {
-                let mesh = file.mesh(id)?;
-                let texture = if self.textures { Some(self.prepare_texture(id, &file.texture(id)?)) } else { None };
-                self.tally.read.fetch_add(1, Ordering::Relaxed);
-                if let Some(keeper) = &self.keeper {
-                    keeper.used(id);
-                }
-                return Ok(Some(self.prepare(mesh, texture)));
-            }
-        }
-        Ok(None)
+    /// Reads parts of a patch, or builds them.
+    pub(super) fn load(&self, id: PatchId, parts: Parts) -> Result<Loaded, StoreError> {
+        self.load_into(Found::default(), id, parts)
     }
 
-    /// Surveys a patch, if it may be built at all.
-    fn survey(&self, id: PatchId) -> Result<Survey, StoreError> {
-        if !self.builds {
+    fn load_into(&self, mut found: Found, id: PatchId, parts: Parts) -> Result<Loaded, StoreError> {
+        self.read(&mut found, id, parts)?;
+        let lacks = Parts { mesh: parts.mesh && found.mesh.is_none(), texture: parts.texture && found.texture.is_none() };
+        if lacks.mesh && !self.builds {
             return Err(StoreError::Absent { file: self.files.first().map_or_else(PathBuf::new, |f| f.path().to_owned()), id });
         }
-        self.tally.surveyed.fetch_add(1, Ordering::Relaxed);
-        Ok(self.timed(|| self.planet.survey(id)))
-    }
-
-    /// Builds a surveyed patch, and hands it to be kept.
-    fn build(&self, survey: &Survey) -> Loaded {
-        let id = survey.id;
-        let (mesh, faults) = self.timed(|| survey.mesh(&self.planet.ground()));
-        if faults != Default::default() {
-            tracing::warn!(patch = %id, ?faults, "the builder broke its own rules");
+        if found.facts.is_none() || lacks != Parts::default() {
+            let survey = found.survey.take().unwrap_or_else(|| self.survey(id));
+            self.build(&mut found, &survey, lacks);
+            found.survey = Some(survey);
         }
-        self.tally.built.fetch_add(1, Ordering::Relaxed);
-        let keeps = self.textures || self.keeper.is_some();
-        let texture = keeps.then(|| self.timed(|| survey.texture(&self.planet.ground(), &self.planet.terrain)));
-        if let (Some(keeper), Some(texture)) = (&self.keeper, &texture) {
-            match BakedPatch::new(&mesh, texture) {
+        if let (Some(keeper), Some(survey)) = (&self.keeper, &found.survey) {
+            let (mesh, texture) = (found.mesh.as_ref().filter(|_| lacks.mesh), found.texture.as_ref().filter(|_| lacks.texture));
+            match BakedPatch::in_part(id, &survey.facts, self.planet.cells, mesh, texture) {
                 Ok(baked) => keeper.built(baked),
                 Err(reason) => {
                     tracing::warn!(patch = %id, %reason, "a patch cannot be cached; please report this with the recipe")
                 }
             }
         }
-        let texture = texture.filter(|_| self.textures).map(|texture| self.prepare_texture(id, &texture));
-        self.prepare(mesh, texture)
+        Ok(self.prepare(id, found))
     }
 
-    fn texture(&self, survey: &Survey) -> LoadedTexture {
-        let texture = self.timed(|| survey.texture(&self.planet.ground(), &self.planet.terrain));
-        self.prepare_texture(survey.id, &texture)
+    /// Reads what the files hold of the parts of a patch.
+    fn read(&self, found: &mut Found, id: PatchId, parts: Parts) -> Result<(), StoreError> {
+        for file in &self.files {
+            if parts.mesh && found.mesh.is_none() && file.contains(id)? {
+                let mesh = file.mesh(id)?;
+                (found.facts, found.mesh) = (Some(mesh.facts), Some(mesh));
+                self.tally.read.fetch_add(1, Ordering::Relaxed);
+            }
+            if parts.texture && found.texture.is_none() && file.contains_texture(id)? {
+                (found.facts, found.texture) = (found.facts.or(file.facts(id)?), Some(file.texture(id)?));
+            }
+        }
+        if let (Some(keeper), Some(_)) = (&self.keeper, found.facts) {
+            keeper.used(id);
+        }
+        Ok(())
+    }
+
+    fn survey(&self, id: PatchId) -> Survey {
+        self.tally.surveyed.fetch_add(1, Ordering::Relaxed);
+        self.timed(|| self.planet.survey(id))
+    }
+
+    /// Builds what is lacking of a surveyed patch.
+    fn build(&self, found: &mut Found, survey: &Survey, lacks: Parts) {
+        found.facts = Some(survey.facts);
+        if lacks.mesh {
+            let (mesh, faults) = self.timed(|| survey.mesh(&self.planet.ground()));
+            if faults != Default::default() {
+                tracing::warn!(patch = %survey.id, ?faults, "the builder broke its own rules");
+            }
+            self.tally.built.fetch_add(1, Ordering::Relaxed);
+            found.mesh = Some(mesh);
+        }
+        if lacks.texture {
+            found.texture = Some(self.timed(|| survey.texture(&self.planet.ground(), &self.planet.terrain)));
+        }
     }
 
     /// Counts the time that building takes.
@@ -176,14 +169,23 @@ impl Source {
         Relief::new(&map, sun.number)
     }
 
-    fn prepare_texture(&self, id: PatchId, texture: &PatchTexture) -> LoadedTexture {
-        LoadedTexture { mips: TextureMips::new(texture, self.planet.cells), relief: self.relief(id) }
+    fn prepare(&self, id: PatchId, found: Found) -> Loaded {
+        let texture = found
+            .texture
+            .map(|texture| LoadedTexture { mips: TextureMips::new(&texture, self.planet.cells), relief: self.relief(id) });
+        let mesh = found.mesh.map(|mesh| {
+            let grid = PatchGrid::of_mesh(&mesh, &self.planet.lattice);
+            LoadedMesh { patch: LoadedPatch::new(mesh, &self.planet.lattice), grid }
+        });
+        Loaded { id, facts: found.facts, mesh, texture }
     }
+}
 
-    fn prepare(&self, mesh: PatchMesh, texture: Option<LoadedTexture>) -> Loaded {
-        let grid = PatchGrid::of_mesh(&mesh, &self.planet.lattice);
-        let (id, facts) = (mesh.id, mesh.facts);
-        let mesh = LoadedMesh { patch: LoadedPatch::new(mesh, &self.planet.lattice), grid };
-        Loaded { id, facts, mesh: Some(mesh), texture }
-    }
+/// What was read or built of a patch so far.
+#[derive(Default)]
+struct Found {
+    facts: Option<PatchFacts>,
+    survey: Option<Survey>,
+    mesh: Option<PatchMesh>,
+    texture: Option<PatchTexture>,
 }

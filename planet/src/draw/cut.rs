@@ -48,6 +48,18 @@ pub fn shows_through(tree: &PatchTree, view: &View, level: u8, space: &Space) ->
     low.max(high).length() > FADE_FROM * texture_distance(tree, view, level)
 }
 
+/// Level of the textures that a patch of a level is drawn with: the coarsest that is fine enough for what is nearest in its space. Patches
+/// split for detail too, where textures need not be finer.
+pub fn texture_level(tree: &PatchTree, view: &View, level: u8, space: &Space) -> u8 {
+    let nearest = nearest_and_outside(view, &space.bounds).0;
+    (0..level).find(|&coarser| nearest >= texture_distance(tree, view, coarser)).unwrap_or(level)
+}
+
+/// Whether the textures of a patch itself are drawn somewhere in its space.
+pub fn shows_textures(tree: &PatchTree, view: &View, id: PatchId, space: &Space, is_drawn: bool) -> bool {
+    texture_level(tree, view, id.level, space) == id.level && (is_drawn || shows_through(tree, view, id.level, space))
+}
+
 /// Distance in lattice units at which a patch of a level splits for its texture's sake.
 pub fn texture_distance(tree: &PatchTree, view: &View, level: u8) -> f64 {
     tree.texel_size(level) / (TEXEL_PIXELS * view.camera.pixel_angle())

@@ -73,6 +73,12 @@ impl PatchId {
         (self.level > 0).then(|| PatchId { face: self.face, level: self.level - 1, x: self.x / 2, y: self.y / 2 })
     }
 
+    /// The patch of a coarser level (or its own) that contains this one.
+    pub fn ancestor(self, level: u8) -> PatchId {
+        let up = self.level.saturating_sub(level);
+        PatchId { face: self.face, level: self.level - up, x: self.x >> up, y: self.y >> up }
+    }
+
     /// The four patches one level down, or none past [`MAX_LEVEL`].
     pub fn children(self) -> Option<[PatchId; 4]> {
         (self.level < MAX_LEVEL).then(|| {

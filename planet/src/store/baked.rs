@@ -1,6 +1,6 @@
 //! A patch on its way into a planet file, and what the file's index holds of it.
 //!
-//! A patch may lack its mesh, or its mesh and its texture: what was surveyed and not built. A part of no bytes is one that is not there.
+//! A patch may lack its mesh, its texture, or both: what was surveyed, and what of it was built. A part of no bytes is one that is not there.
 
 use super::error::RecordError;
 use super::{facts, geometry, imagery};
@@ -57,32 +57,30 @@ impl BakedPatch {
     /// # Errors
     /// For a mesh or texture that breaks the builder's promises.
     pub fn new(mesh: &PatchMesh, texture: &PatchTexture) -> Result<BakedPatch, RecordError> {
-        let geometry = geometry::encode(mesh)?;
-        let texture = imagery::encode(texture, mesh.id, mesh.cells)?;
+        BakedPatch::in_part(mesh.id, &mesh.facts, mesh.cells, Some(mesh), Some(texture))
+    }
+
+    /// Encodes what there is of a patch of `cells` cells a side.
+    ///
+    /// # Errors
+    /// For facts, a mesh or a texture that break the builder's promises.
+    pub fn in_part(
+        id: PatchId,
+        facts: &PatchFacts,
+        cells: u32,
+        mesh: Option<&PatchMesh>,
+        texture: Option<&PatchTexture>,
+    ) -> Result<BakedPatch, RecordError> {
+        facts::check(facts).map_err(RecordError::Measure)?;
+        let geometry = mesh.map_or(Ok(Vec::new()), geometry::encode)?;
+        let texture = texture.map_or(Ok(Vec::new()), |texture| imagery::encode(texture, id, cells))?;
         let record = PatchRecord {
-            id: mesh.id,
-            facts: mesh.facts,
-            always_awake: mesh.always_awake() as u32,
+            id,
+            facts: *facts,
+            always_awake: mesh.map_or(0, |mesh| mesh.always_awake() as u32),
             geometry_bytes: geometry.len() as u32,
             texture_bytes: texture.len() as u32,
         };
         Ok(BakedPatch { record, geometry, texture })
-    }
-
-    /// Encodes a patch of `cells` cells a side that was surveyed and not built.
-    ///
-    /// # Errors
-    /// For facts or a texture that break the builder's promises.
-    pub fn surveyed(
-        id: PatchId,
-        facts: &PatchFacts,
-        cells: u32,
-        texture: Option<&PatchTexture>,
-    ) -> Result<BakedPatch, RecordError> {
-        facts::check(facts).map_err(RecordError::Measure)?;
-        let texture = texture.map_or(Ok(Vec::new()), |texture| imagery::encode(texture, id, cells))?;
-        let texture_bytes = texture.len() as u32;
-        let record = PatchRecord { id, facts: *facts, always_awake: 0, geometry_bytes: 0, texture_bytes };
-        Ok(BakedPatch { record, geometry: Vec::new(), texture })
     }
 }

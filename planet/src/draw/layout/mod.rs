@@ -64,12 +64,16 @@ gpu_structs! {
         coarser_sides: u32,
         /// Quadtree level.
         level: u32,
-        /// Texture slot.
+        /// Slot of the textures that it is drawn with: its own, or an ancestor's.
         slot: u32,
-        /// Texture slot of the parent patch, or NO_SLOT.
+        /// Slot of those of that patch's parent, or NO_SLOT.
         parent_slot: u32,
-        /// Which quarter of the parent it is, as column and row.
+        /// Which quarter of its parent the patch with the textures is, as column and row.
         quarter: [u32; 2],
+        /// Where its own first corner lies in the patch with the textures, in cells of that patch.
+        texture_corner: [f32; 2],
+        /// How long its own cells are in that patch's.
+        texture_cell: f32,
         /// Distance in metres at which its own texture begins to fade in over the parent's.
         fade_distance: f32,
         /// Distance in metres at which one of its texels covers one pixel.

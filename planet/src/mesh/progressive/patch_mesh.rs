@@ -54,7 +54,13 @@ impl PatchMesh {
     }
 
     /// Builds a patch whose surface and facts are known.
-    pub fn of_surface(ground: &Ground, id: PatchId, grid: &HeightGrid, surface: &Surface, facts: PatchFacts) -> (PatchMesh, Faults) {
+    pub fn of_surface(
+        ground: &Ground,
+        id: PatchId,
+        grid: &HeightGrid,
+        surface: &Surface,
+        facts: PatchFacts,
+    ) -> (PatchMesh, Faults) {
         let rules = BorderRules::new(ground, grid, KAPPA_BUILD);
         let hierarchy = build(surface, rules, KAPPA_BUILD);
         let vertices = in_wake_order(surface, &hierarchy);
