@@ -3,10 +3,12 @@
 use crate::common::TestField;
 use crate::screen_error::{dice, error_of, worst_share, AT_SAMPLES, FIELD};
 use crate::whole_planet::{planet, surface, views, Planet};
+use glam::DVec3;
 use std::collections::HashSet;
 use terrane_planet::draw::cut::{cut, cut_in_sight, is_in_sight, Cut};
-use terrane_planet::draw::view::View;
+use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::patch::PatchId;
+use terrane_planet::ground::texture::SHORE_RANGE;
 use terrane_planet::verify::SurfaceReport;
 
 /// What a view draws when nothing is missing.
@@ -119,4 +121,44 @@ fn what_is_in_sight_stays_within_the_tolerance() {
     });
     let share = worst_share(measured, &AT_SAMPLES);
     assert!(share <= 1.0, "{share} of the tolerance");
+}
+
+/// The planet of a field under a sea that reaches so many metres above the datum.
+fn under_a_sea(field: &TestField, level_m: f64) -> Planet {
+    let mut planet = planet(field, 16);
+    let empty = planet.tree.emptied();
+    let known = std::mem::replace(&mut planet.tree, empty);
+    planet.tree = known.with_sea(level_m);
+    planet
+}
+
+#[test]
+fn ground_in_the_dark_of_the_sea_splits_for_nobody_above_it() {
+    let dry = planet(&FIELD, 16);
+    let unit = dry.tree.lattice.unit;
+    let highest = f64::from(PatchId::roots().map(|root| dry.patches[&root].0.mesh.facts.heights[1]).max().unwrap()) * unit;
+    // Slopes a little above the deepest ground, and all of it, are in the dark.
+    let (mut fewer, mut dark) = (0, 0);
+    for (k, share) in [0.2, 1.5, 4.0].into_iter().cycle().take(30).enumerate() {
+        let wet = under_a_sea(&FIELD, share * highest + SHORE_RANGE);
+        let sea = wet.tree.sea.unwrap();
+        let site = DVec3::new((k as f64).sin(), (1.7 * k as f64).cos(), (0.9 * k as f64).sin()).normalize();
+        let above = |metres: f64| {
+            let camera = Camera::looking(site * (sea.surface * unit + metres), 40.0 * k as f64, -25.0, 1.0, [1280, 720]);
+            View::new(camera, &wet.tree.lattice, wet.tree.cells, 1.0).without_culling()
+        };
+        let [shown, hidden] = [&dry, &wet].map(|planet| complete(planet, &above(1500.0)).leaves);
+        fewer += usize::from(hidden.len() < shown.len());
+        let [shown, hidden] = [&dry, &wet].map(|planet| complete(planet, &above(-10.0)).leaves);
+        assert_eq!(shown, hidden, "the sea hides nothing from below");
+        let view = above(1500.0);
+        let cut = complete(&wet, &view);
+        let (report, _) = seen_report(&wet, &view, &cut, false);
+        assert_eq!((report.cracks, report.flipped), (0, 0), "{:?}", view.camera);
+        let error = error_of(&wet, &view, &cut, &|_| true, &|_, _, _| ());
+        let worst = AT_SAMPLES.iter().map(|&probe| error.readings.max_of(probe)).fold(0.0, f64::max);
+        assert!(worst <= view.tolerance, "{worst} px");
+        dark += error.in_the_dark;
+    }
+    assert!(fewer > 5 && dark > 1000, "{fewer} views draw fewer patches, {dark} points in the dark");
 }

@@ -3,7 +3,7 @@
 //! A patch splits where the viewer is nearer to its bounds than one of two distances: for closure's sake, seen or not, and for the detail of
 //! what is seen of it. And only when whatever replaces it is resident, so that missing data makes a coarser picture and never a hole.
 
-use super::tree::{PatchNode, PatchTree, QuarterNode, Space};
+use super::tree::{PatchNode, PatchTree, QuarterNode, SeaSpace, Space};
 use super::view::View;
 use crate::globe::lattice::LatticeBox;
 use crate::globe::patch::{PatchId, Side};
@@ -115,7 +115,10 @@ pub fn cut_by(tree: &PatchTree, urgency: &dyn Fn(PatchId, &PatchNode) -> f64, re
 pub fn urgency(tree: &PatchTree, view: &View, level: u8, node: &PatchNode) -> f64 {
     let (nearest, outside) = nearest_and_outside(view, &node.space.bounds);
     let closure = (nearest + view.falloff * outside) / (view.scale * node.closure_wake);
-    let texture = (nearest + SEEN_FALLOFF * outside) / texture_distance(tree, view, level);
+    let texture = |space: &Space| {
+        let (nearest, outside) = nearest_and_outside(view, &space.bounds);
+        (nearest + SEEN_FALLOFF * outside) / texture_distance(tree, view, level)
+    };
     let detail = |quarter: &QuarterNode| {
         let (nearest, outside) = nearest_and_outside(view, &quarter.space.bounds);
         let detail = (nearest + SEEN_FALLOFF * outside) / (view.scale * quarter.detail_wake);
@@ -125,7 +128,13 @@ pub fn urgency(tree: &PatchTree, view: &View, level: u8, node: &PatchNode) -> f6
             detail
         }
     };
-    let seen = node.quarters.iter().map(detail).fold(texture, f64::min);
+    let in_the_dark = |quarter: &&QuarterNode| is_in_the_dark(tree, view, &quarter.space);
+    let seen = if node.quarters.iter().any(|quarter| in_the_dark(&quarter)) {
+        let lit = node.quarters.iter().filter(|quarter| !in_the_dark(quarter));
+        lit.map(|quarter| detail(quarter).min(texture(&quarter.space))).fold(f64::INFINITY, f64::min)
+    } else {
+        node.quarters.iter().map(detail).fold(texture(&node.space), f64::min)
+    };
     if seen < 1.0 && below_horizon(tree, view, &node.space) {
         return closure;
     }
@@ -327,6 +336,12 @@ pub fn sides_beside(leaf: &Leaf, condition: &dyn Fn(PatchId) -> bool) -> u8 {
 /// Whether any of what is in a space can be seen: inside the frustum, and not wholly behind the ball that hides what is behind it.
 pub fn is_visible(tree: &PatchTree, view: &View, space: &Space) -> bool {
     nearest_and_outside(view, &space.bounds).1 <= 0.0 && !below_horizon(tree, view, space)
+}
+
+/// Whether all of a space lies so deep in the sea that a view from above the sea shows nothing of it but that it is deep.
+fn is_in_the_dark(tree: &PatchTree, view: &View, space: &Space) -> bool {
+    let deep = |sea: SeaSpace| view.eye.length() > sea.surface && tree.lattice.radius + f64::from(space.heights[1]) < sea.dark;
+    tree.sea.is_some_and(deep)
 }
 
 /// Whether any of a patch can be seen, as far as its ancestors know: what [`cut_in_sight`] goes by.

@@ -2,6 +2,7 @@
 
 use crate::globe::lattice::{Lattice, LatticeBox};
 use crate::globe::patch::{PatchId, MAX_LEVEL};
+use crate::ground::texture::SHORE_RANGE;
 use crate::mesh::certificate::{DEVIATION_BELOW, DEVIATION_SHARE, KAPPA};
 use crate::mesh::progressive::{PatchFacts, Quarter};
 use crate::mesh::wake::MORPH_REACH;
@@ -100,6 +101,17 @@ pub struct PatchTree {
     pub cells: u32,
     /// Radius in lattice units of a ball that is wholly inside the ground or the sea: it hides what is behind it.
     pub hidden_radius: f64,
+    /// The planet's sea, if it has one.
+    pub sea: Option<SeaSpace>,
+}
+
+/// Where the sea is, and how deep one sees into it: distances from the planet's centre in lattice units.
+#[derive(Clone, Copy, Debug)]
+pub struct SeaSpace {
+    /// Its surface.
+    pub surface: f64,
+    /// Where light no longer reaches: what the ground is like below this cannot be seen from above the surface.
+    pub dark: f64,
 }
 
 impl PatchTree {
@@ -108,9 +120,16 @@ impl PatchTree {
     pub fn new(lattice: Lattice, cells: u32, lowest: f64, facts: impl IntoIterator<Item = (PatchId, PatchFacts)>) -> PatchTree {
         // Rounding to the lattice, and straight edges between samples on the sea's own sphere.
         let hidden_radius = lattice.radius + lowest - 2.0;
-        let mut tree = PatchTree { nodes: HashMap::new(), finest_built: None, lattice, cells, hidden_radius };
+        let mut tree = PatchTree { nodes: HashMap::new(), finest_built: None, lattice, cells, hidden_radius, sea: None };
         facts.into_iter().for_each(|(id, own)| tree.insert(id, &own));
         tree
+    }
+
+    /// The same tree for a planet with a sea whose surface lies at a height in metres above the datum.
+    pub fn with_sea(mut self, level_m: f64) -> PatchTree {
+        let radius = |metres: f64| self.lattice.radius + metres / self.lattice.unit;
+        self.sea = Some(SeaSpace { surface: radius(level_m), dark: radius(level_m - SHORE_RANGE) });
+        self
     }
 
     /// The same tree for a planet whose patches can be built when they are wanted, down to a level.

@@ -156,7 +156,11 @@ impl Planet {
     /// What is known of this planet's patches.
     pub fn tree(&self, facts: impl IntoIterator<Item = (PatchId, PatchFacts)>) -> PatchTree {
         let lowest = self.recipe.sea.as_ref().map_or(f64::MIN, |sea| sea.level_m).max(self.terrain.height_range().0);
-        PatchTree::new(self.lattice, self.cells, lowest / self.lattice.unit, facts)
+        let tree = PatchTree::new(self.lattice, self.cells, lowest / self.lattice.unit, facts);
+        match self.terrain.sea_level() {
+            Some(level) => tree.with_sea(level),
+            None => tree,
+        }
     }
 
     /// Distance from the planet's centre, in lattice units, within which there is no ground.

@@ -13,7 +13,7 @@ use super::error_readings::{ErrorReadings, Probe, Reading};
 use super::finest::FinestSurface;
 use crate::draw::cut::{is_visible, sides_beside, Leaf};
 use crate::draw::layout::{DrawnVertex, PatchVertex};
-use crate::draw::tree::PatchTree;
+use crate::draw::tree::{PatchTree, SeaSpace};
 use crate::draw::view::View;
 use crate::globe::lattice::LatticeBox;
 use crate::globe::patch::PatchId;
@@ -64,6 +64,8 @@ pub struct ScreenError {
     pub at_data_rim: ErrorReadings,
     /// Points where one of the two surfaces was not met at all.
     pub missed: usize,
+    /// Points where both lie so deep in the sea that no light comes back, seen from above it: nothing is promised of the ground there.
+    pub in_the_dark: usize,
 }
 
 impl ScreenError {
@@ -71,6 +73,7 @@ impl ScreenError {
     pub fn merge(&mut self, other: &ScreenError) {
         self.readings.merge(&other.readings);
         self.at_data_rim.merge(&other.at_data_rim);
+        self.in_the_dark += other.in_the_dark;
         self.missed += other.missed;
     }
 
@@ -230,6 +233,11 @@ impl Judge<'_, '_> {
             error.missed += 1;
             return;
         };
+        let dark = |sea: SeaSpace| self.view.eye.length() > sea.surface && finest < sea.dark && drawn < sea.surface;
+        if self.tree.sea.is_some_and(dark) {
+            error.in_the_dark += 1;
+            return;
+        }
         let direction = point.normalize();
         let [a, b] = [drawn, finest].map(|radius| direction * radius - self.view.eye);
         let distance = a.length().min(b.length());
