@@ -13,7 +13,7 @@ use terrane_planet::planet::bake::Progress;
 const LINE_EVERY: Duration = Duration::from_secs(10);
 
 /// How many threads build.
-#[derive(clap::Args, Clone, Copy)]
+#[derive(clap::Args, Clone, Copy, Default)]
 pub(crate) struct Threads {
     /// Threads to build on [default: one a processor].
     #[arg(long, value_parser = clap::value_parser!(u16).range(1..=1024))]

@@ -3,8 +3,9 @@
 use super::viewing::{Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
 use std::path::Path;
 use std::sync::Arc;
+use std::time::Duration;
 use terrane::frame::Look;
-use terrane::scene::{Scene, SceneOptions, Scope};
+use terrane::scene::{Scene, SceneError, SceneOptions, Scope};
 use terrane::vulkan::Context;
 use terrane_planet::draw::camera_path::CameraPath;
 use terrane_planet::draw::view::{Camera, View};
@@ -47,5 +48,16 @@ impl DrawOptions {
     pub(crate) fn look_along(&self, recipe: &Recipe, path: &CameraPath) -> Look {
         let end = path.at(path.span().1);
         self.look.look(recipe, direction_at(end.latitude, end.longitude), Exposure::Fixed(1.0))
+    }
+}
+
+/// Updates a scene until it can draw a whole picture of a view, however coarse: every patch of its cut is on the GPU.
+pub(crate) fn first_picture(scene: &mut Scene, view: &View) -> Result<(), SceneError> {
+    loop {
+        let cut = scene.update(view, usize::MAX)?;
+        if cut.leaves.iter().all(|leaf| scene.mesh(leaf.id).is_some()) {
+            return Ok(());
+        }
+        std::thread::sleep(Duration::from_millis(1));
     }
 }

@@ -1,7 +1,7 @@
 //! `terrane shot`: one still picture.
 
 use super::building::Report;
-use super::drawing::DrawOptions;
+use super::drawing::{first_picture, DrawOptions};
 use super::radiance::{write_exr, Taken};
 use super::stage_times::stage_times;
 use super::still::{format_of, StillArguments};
@@ -51,6 +51,8 @@ impl Run for Shot {
         let view = self.draw.view(camera, scene.planet(), self.camera.error);
         let look = self.draw.look.look(&scene.planet().recipe, self.camera.site(), Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
+        first_picture(&mut scene, &view)?;
+        let first_ms = begun.elapsed().as_secs_f64() * 1e3;
         let waiting = Report::counting("patches", "so far");
         let cut = scene.settle_showing(&view, &mut |there, pending| waiting.step(there, there + pending, begun.elapsed()))?;
         waiting.finish();
@@ -70,10 +72,11 @@ impl Run for Shot {
             .with_context(|| format!("cannot write the picture {}", self.out.display()))?;
         let ready_ms = settled.duration_since(begun).as_secs_f64() * 1e3;
         if self.json {
-            println!("{}", self.summary(&still, context.device_info(), frame_ms, ready_ms, &scene));
+            println!("{}", self.summary(&still, context.device_info(), &Times { first_ms, ready_ms, frame_ms }, &scene));
         } else {
             println!(
-                "{}: {} patches ({} of {} on the GPU built), {} awake vertices, {} triangles, {frame_ms:.0} ms",
+                "{}: {} patches ({} of {} on the GPU built), {} awake vertices, {} triangles, {frame_ms:.0} ms; \
+                 coarse after {first_ms:.0} ms, settled after {ready_ms:.0} ms",
                 self.out.display(),
                 still.report.tables.patches.len(),
                 scene.tally().built,
@@ -87,6 +90,14 @@ impl Run for Shot {
     }
 }
 
+/// Milliseconds from the start of the command until a whole picture could be drawn, however coarse, and until nothing was missing; and
+/// those of drawing.
+struct Times {
+    first_ms: f64,
+    ready_ms: f64,
+    frame_ms: f64,
+}
+
 impl Shot {
     fn write(&self, still: &Still, taken: &Taken) -> anyhow::Result<()> {
         match format_of(&self.out, self.depth)? {
@@ -95,8 +106,9 @@ impl Shot {
         }
     }
 
-    fn summary(&self, still: &Still, gpu: &GpuInfo, frame_ms: f64, ready_ms: f64, scene: &Scene) -> serde_json::Value {
+    fn summary(&self, still: &Still, gpu: &GpuInfo, times: &Times, scene: &Scene) -> serde_json::Value {
         let report = &still.report;
+        let Times { first_ms, ready_ms, frame_ms } = times;
         json!({
             "picture": self.out, "size": still.size, "tiles": still.tiles, "ssaa": self.still.ssaa, "exposure": still.exposure,
             "device": gpu.name, "driver": gpu.driver, "driver_info": gpu.driver_info,
@@ -106,7 +118,8 @@ impl Shot {
             "patches_read": scene.tally().read, "patches_surveyed": scene.tally().surveyed, "patches_built": scene.tally().built, "build_s": scene.tally().build_s,
             "resident_patches": scene.resident_count(), "patch_bytes_on_gpu": scene.gpu_bytes().0,
             "patch_bytes_on_host": scene.host_bytes().0, "settled": scene.is_settled(),
-            "stages_gpu_ms": stage_times(&PerStage::gpu_ms(&report.times)), "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms, "ready_ms": ready_ms,
+            "stages_gpu_ms": stage_times(&PerStage::gpu_ms(&report.times)), "gpu_wall_ms": report.times.wall_ms, "frame_ms": frame_ms,
+            "first_picture_ms": first_ms, "settled_ms": ready_ms, "ready_ms": ready_ms,
         })
     }
 }

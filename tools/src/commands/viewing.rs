@@ -113,18 +113,23 @@ impl CameraOptions {
     /// The camera over a planet.
     pub(crate) fn camera(&self, planet: &Planet) -> anyhow::Result<Camera> {
         let [latitude, longitude] = DEFAULT_SITE;
-        let [latitude, longitude, altitude_m] =
-            self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE_RADII * planet.recipe.radius]);
-        ensure!((-90.0..=90.0).contains(&latitude), "--at: latitude {latitude} is not within -90 and 90 degrees");
-        ensure!((-360.0..=360.0).contains(&longitude), "--at: longitude {longitude} is not within -360 and 360 degrees");
-        ensure!((1.0..=20.0).contains(&(self.fov / 7.0)), "--fov: {} is not within 7 and 140 degrees", self.fov);
+        let at = self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE_RADII * planet.recipe.radius]);
         check_tolerance(self.error)?;
-        ensure!((0.5..=1e9).contains(&altitude_m), "--at: altitude {altitude_m} is not within 0.5 and 1e9 metres");
-        let [heading, pitch] = self.look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude_m, self.fov)]);
-        ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
-        let keyframe = Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading, pitch, fov: self.fov };
-        Ok(planet.camera_at(&keyframe, self.size))
+        Ok(planet.camera_at(&keyframe_at(at, self.look, self.fov, planet)?, self.size))
     }
+}
+
+/// What `--at`, `--look` and `--fov` say of a camera over a planet: latitude and longitude in degrees and metres above ground or sea;
+/// heading and pitch in degrees, by default towards the horizon; the field of view in degrees.
+pub(crate) fn keyframe_at(at: [f64; 3], look: Option<[f64; 2]>, fov: f64, planet: &Planet) -> anyhow::Result<Keyframe> {
+    let [latitude, longitude, altitude_m] = at;
+    ensure!((-90.0..=90.0).contains(&latitude), "--at: latitude {latitude} is not within -90 and 90 degrees");
+    ensure!((-360.0..=360.0).contains(&longitude), "--at: longitude {longitude} is not within -360 and 360 degrees");
+    ensure!((1.0..=20.0).contains(&(fov / 7.0)), "--fov: {fov} is not within 7 and 140 degrees");
+    ensure!((0.5..=1e9).contains(&altitude_m), "--at: altitude {altitude_m} is not within 0.5 and 1e9 metres");
+    let [heading, pitch] = look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude_m, fov)]);
+    ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
+    Ok(Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading, pitch, fov })
 }
 
 /// Refuses a tolerance, in pixels, that `--error` cannot have.

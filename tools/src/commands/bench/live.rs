@@ -1,7 +1,7 @@
 //! `bench --live`: a flight along the path that waits for nothing, and what arrived meanwhile.
 
-use super::Bench;
-use anyhow::{bail, Context as _};
+use super::{process, Bench};
+use anyhow::bail;
 use hdrhistogram::Histogram;
 use serde_json::{json, Value};
 use std::sync::Arc;
@@ -112,7 +112,7 @@ impl Flight {
             println!("{:<22} {:>8.0}   of {:.0}", format!("{name} MB of patches"), megabytes(peak), megabytes(most));
         }
         println!("GPU MB altogether      {:>8.0}", megabytes(self.allocated));
-        if let Some(bytes) = peak_of_process() {
+        if let Some(bytes) = process::peak_bytes() {
             println!("peak MB of the process {:>8.0}   with what the driver holds in main memory", megabytes(bytes));
         }
         println!("lifted out of ground   {lifted:>8.1} m");
@@ -147,7 +147,7 @@ impl Flight {
             "patches_built": self.built, "built_per_s": self.rate(), "build_ms": self.build_ms(), "patches_read": self.read,
             "frames_until_settled": self.at_end.len(), "frame_ms": { "p50": median, "p95": p95, "max": worst },
             "gpu_bytes": self.bytes[0].0, "gpu_budget": self.bytes[0].1, "host_bytes": self.bytes[1].0, "host_budget": self.bytes[1].1,
-            "allocated_bytes": self.allocated, "process_peak_bytes": peak_of_process(), "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,
+            "allocated_bytes": self.allocated, "process_peak_bytes": process::peak_bytes(), "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,
             "rows": self.rows.iter().map(row).collect::<Vec<_>>(),
         }))
     }
@@ -160,11 +160,4 @@ impl Flight {
         }
         Ok(())
     }
-}
-
-/// Largest resident set of this process so far, in bytes; `None` where the system does not say.
-fn peak_of_process() -> Option<u64> {
-    let status = std::fs::read_to_string("/proc/self/status").context("no status").ok()?;
-    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
-    line.trim().strip_suffix(" kB")?.parse::<u64>().ok().map(|kilobytes| kilobytes * 1024)
 }
