@@ -134,7 +134,9 @@ fn first_looks_build_once_and_turns_find_ground() {
         assert_eq!(nothing[same], file[same], "{rows:?}");
     }
     let ms = |row: &serde_json::Value, name: &str| row[name].as_f64().unwrap();
-    assert!([nothing, file].iter().all(|row| 0.0 < ms(row, "first_picture_ms") && ms(row, "first_picture_ms") <= ms(row, "settled_ms")));
+    assert!([nothing, file]
+        .iter()
+        .all(|row| 0.0 < ms(row, "first_picture_ms") && ms(row, "first_picture_ms") <= ms(row, "settled_ms")));
     assert_eq!((&turn["surrounded"], &turn["holes"], &turn["cracks"]), (&true.into(), &0.into(), &0.into()), "{turn}");
     assert_eq!(std::fs::read(&planet).unwrap(), bytes, "the given file was changed");
 }

@@ -146,7 +146,7 @@ fn tolerance(t: &ToleranceErrors) -> Value {
     json!({
         "tolerance_px": t.tolerance, "views": t.views, "share_of_tolerance": t.share(),
         "screen_error_px": percentiles(&t.error.readings), "readings": t.error.readings.count(),
-        "missed": t.error.missed,
+        "missed": t.error.missed, "in_the_dark": t.error.in_the_dark,
         "at_data_rim_px": percentiles(&t.error.at_data_rim), "readings_at_data_rim": t.error.at_data_rim.count(),
         "worst": t.error.readings.worst().zip(t.worst_view).map(|(reading, view)| reading_json(reading, view)),
     })
@@ -194,11 +194,11 @@ fn print(r: &VerifyReport, errors: &ScreenErrors, seconds: f64) {
         println!("  {where_}: {flipped} flipped, {degenerate} without area, {closure} breaches of closure");
     }
     for t in &errors.by_tolerance {
-        let ScreenError { readings, at_data_rim, missed } = &t.error;
+        let ScreenError { readings, at_data_rim, missed, in_the_dark } = &t.error;
         let [p50, p99, p999] = [0.5, 0.99, 0.999].map(|share| readings.percentile(share));
         println!("screen error at {} px, {} views, {} readings, {missed} missed:", t.tolerance, t.views, readings.count());
         println!("  p50 {p50:.3}, p99 {p99:.3}, p99.9 {p999:.3}, max {:.3} px ({:.3} of it)", readings.max(), t.share());
-        println!("  at the rim of the data max {:.3} px", at_data_rim.max(),);
+        println!("  at the rim of the data max {:.3} px; {in_the_dark} more readings in the dark of the sea", at_data_rim.max());
     }
 }
 
