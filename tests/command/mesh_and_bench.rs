@@ -118,7 +118,7 @@ fn first_looks_build_once_and_turns_find_ground() {
     let folder = tempfile::tempdir().unwrap();
     let planet = planet_in(folder.path());
     let bytes = std::fs::read(&planet).unwrap();
-    let view = ["--at", "10,20,2000", "--look", "30,-30", "--size", "160x90", "--spacing", "60"];
+    let view = ["--at", "10,20,2000", "--look", "30,-30", "--size", "160x90", "--spacing", "200"];
     let arguments = [&["bench", "tiny.planet", "--first-look", "--json", "f.json"], &view[..]].concat();
     let output = terrane(&arguments, folder.path());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));

@@ -68,7 +68,8 @@ struct Turn {
     /// Faults of the first frame after the turn, and whether anything was missing in it.
     faults: LiveFaults,
     settled_at_once: bool,
-    /// Seconds from the turn to the end of the first frame that lacked nothing; with the check of the first frame, if that one did.
+    /// Seconds from the turn to the end of the first frame that lacked nothing; the check of the first frame is part of it, if that one
+    /// lacked something.
     settled_s: f64,
     usage: Usage,
     gpu_bytes: u64,
@@ -169,7 +170,8 @@ impl Bench {
         let first_s = started.at.elapsed().as_secs_f64();
         let cut = scene.settle(&view)?;
         let settled_s = started.at.elapsed().as_secs_f64();
-        let frame = Headless::new(&context, self.size.into())?.render(&scene, &view, &cut, &look)?;
+        let mut headless = Headless::new(&context, self.size.into())?;
+        let frame = headless.render(&scene, &view, &cut, &look)?;
         let tally = scene.tally();
         self.draw.gpu.report_messages(&context)?;
         Ok(Picture {
