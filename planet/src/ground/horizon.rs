@@ -38,8 +38,8 @@ const COARSEST: u8 = 2;
 /// Radians beyond which no mountain of a planet's size stands out any more.
 const FARTHEST: f64 = 0.12;
 
-/// Grids kept by [`WideGrids`], of some 90 kB each.
-const MOST_GRIDS: usize = 256;
+/// Grids kept by [`WideGrids`], of some 30 kB each at 64 cells a side.
+const MOST_GRIDS: usize = 1024;
 
 /// Heights around a patch.
 pub struct WideGrid {
