@@ -1,7 +1,8 @@
 //! What the parts of one patch cost, and of its horizon map, at the grid that is shipped: milliseconds on one core, the best of some
 //! runs, on average over sites and levels. Prints Markdown.
 //!
-//! `cargo bench -p terrane-planet --bench parts`; `-- 128` for another grid.
+//! `cargo bench -p terrane-planet --bench parts`; `-- 128` for another grid; with `RUSTFLAGS="--cfg terrane_no_avx512"` as on machines without
+//! AVX-512.
 
 mod common;
 

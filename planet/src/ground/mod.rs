@@ -172,7 +172,11 @@ pub(crate) fn strips(side: usize) -> Vec<usize> {
 
 /// Directions of a row of samples; wide instructions give the same bits, see [`crate::terrain`]. Each coordinate by itself first:
 /// addresses in memory that take turns would keep the division from being vectorised.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn fill_directions(warped: &WarpedGrid, row: usize, directions: &mut [DVec3]) {
     const RUN: usize = 32;
     let (u, v) = warped.face.grid_axes();
@@ -193,7 +197,11 @@ fn fill_directions(warped: &WarpedGrid, row: usize, directions: &mut [DVec3]) {
 }
 
 /// Heights in whole lattice units.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn quantise(lattice: &Lattice, metres: &[f64], heights: &mut [i32]) {
     for (height, &metres) in heights.iter_mut().zip(metres) {
         *height = lattice.quantise_height(metres);

@@ -150,7 +150,11 @@ fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 3]) 
 /// Shapes up to [`RUN`] texels of a row, the first of which lies at `[column, row]`: encoded slopes, and the points whose albedo is
 /// then asked for. Local arrays of constant length, so that the middle loop vectorises; see [`crate::terrain`] for why that
 /// changes no bit.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn shape_run(grid: &HeightGrid, frame: &Frame, [column, row]: [usize; 2], slopes: &mut [[i8; 2]], points: &mut [GroundPoint]) {
     let mut corners = [[[0.0; RUN + 1]; 3]; 2];
     for (r, [x, y, z]) in corners.iter_mut().enumerate() {

@@ -186,7 +186,11 @@ impl Weather {
 }
 
 /// Noise of a chunk; see [`crate::terrain`] for why wide instructions give the same bits.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn noise_of(weather: &Weather, points: &Points) -> Lane {
     let mut room = None;
     weather.noise.brownian(Warp::moved(weather.warp.as_ref(), points, &mut room))

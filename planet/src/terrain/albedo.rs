@@ -122,7 +122,11 @@ pub(super) fn put(out: &mut ColourLanes, i: usize, colour: Rgb, light: f32) {
 }
 
 /// Colours of up to [`LANES`] points; see [`super`] for why wide instructions give the same bits.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 pub(super) fn chunk_albedo(terrain: &Terrain, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
     terrain.chunk_albedo(points, albedo);
 }

@@ -211,7 +211,11 @@ impl Terrain {
 }
 
 /// Heights of up to [`LANES`] directions.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn chunk_heights(terrain: &Terrain, directions: &[DVec3], heights: &mut [f64]) {
     terrain.chunk_heights(directions, heights);
 }

@@ -128,12 +128,20 @@ impl Lattice {
 // Noise of a chunk, out of line: a copy in each of the many places that sum noise, for each set of instructions, takes longer to
 // compile than all the rest. A call for all lanes costs nothing.
 
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn chunk_noise(lattice: &Lattice, p: &Points, out: &mut Lane) {
     lattice.visit(p, Noise(|i, noise| out[i] = noise));
 }
 
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn chunk_noise_and_slope(lattice: &Lattice, p: &Points, out: &mut Lane, slope: &mut [Lane; 3]) {
     let visit = |i: usize, noise, own: [f32; 3]| {
         out[i] = noise;
@@ -142,7 +150,11 @@ fn chunk_noise_and_slope(lattice: &Lattice, p: &Points, out: &mut Lane, slope: &
     lattice.visit(p, NoiseAndSlope { rows: lattice.rows(), visit });
 }
 
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn chunk_waves(lattice: &Lattice, p: &Points, waves: &[Lane; 3], [cosine, sine]: [&mut Lane; 2]) {
     let visit = |i: usize, c, s| (cosine[i], sine[i]) = (c, s);
     lattice.visit(p, Waves { rows: lattice.rows(), waves, visit });

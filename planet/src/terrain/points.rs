@@ -81,7 +81,11 @@ impl Points {
 }
 
 /// Out of line, as noise is.
-#[multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))]
+#[cfg_attr(
+    not(terrane_no_avx512),
+    multiversion::multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl", "x86_64+avx2"))
+)]
+#[cfg_attr(terrane_no_avx512, multiversion::multiversion(targets("x86_64+avx2")))]
 fn turned(position: &[WideLane; 3]) -> [Turned; TURNS] {
     all_turned(position)
 }

@@ -82,7 +82,8 @@ impl SurfaceCheck {
         self.finish_where(|edge| {
             let [p, q] = edge.map(|(_, drawn)| DVec3::from_array(drawn.map(|bits| f64::from(f32::from_bits(bits)))));
             let outside = view.planes.iter().any(|plane| plane.dot(p) > 0.0 && plane.dot(q) > 0.0);
-            !outside && !(view.horizon && [p, q].into_iter().all(|end| is_hidden(view.eye, end, ground)))
+            let hidden = view.horizon && [p, q].into_iter().all(|end| is_hidden(view.eye, end, ground));
+            !outside && !hidden
         })
     }
 

@@ -71,7 +71,8 @@ fn methods_leave_no_holes_and_coarsen_with_the_knob() {
     for method in methods {
         let drawn = [0.5, 1.0, 2.0, 8.0].map(|knob| scene.measure(method.as_ref(), knob));
         let triangles = drawn.each_ref().map(|m| m.submitted);
-        assert!(triangles.is_sorted_by(|fine, coarse| fine >= coarse), "{}: {triangles:?}", method.variant());
+        // Not to the triangle: a coarser patch of the cut may need a few more than its children did.
+        assert!(triangles.is_sorted_by(|fine, coarse| fine + fine / 50 >= *coarse), "{}: {triangles:?}", method.variant());
         assert!(triangles[3] < triangles[0], "{}: {triangles:?}", method.variant());
         let missed = drawn.each_ref().map(|m| m.missed);
         assert_eq!(missed, [0; 4], "{}, {}", method.family(), method.variant());

@@ -80,13 +80,15 @@ impl Fan {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+#[cfg_attr(not(terrane_no_avx512), multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2")))]
+#[cfg_attr(terrane_no_avx512, multiversion(targets("x86_64+avx2")))]
 fn locate(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> ([u32; LANES], Doubles) {
     let [found, _, depth] = deepest(apex, wedges, x, y, Wedge::inside_sides);
     (found.0.map(|k| k as u32), depth)
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+#[cfg_attr(not(terrane_no_avx512), multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2")))]
+#[cfg_attr(terrane_no_avx512, multiversion(targets("x86_64+avx2")))]
 fn cover(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles) -> (Doubles, Doubles) {
     let [_, inside, depth] = deepest(apex, wedges, x, y, Wedge::inside);
     (inside, depth)

@@ -211,7 +211,8 @@ impl Star {
 }
 
 /// Takes samples relative to the vertex, in single precision.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+#[cfg_attr(not(terrane_no_avx512), multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2")))]
+#[cfg_attr(terrane_no_avx512, multiversion(targets("x86_64+avx2")))]
 fn bring_near(origin: &Sample, chunks: &[Chunk], near: &mut Vec<Near>) {
     let relative = |numbers: Doubles, origin: f64| (numbers - Doubles::splat(origin)).to_singles();
     near.extend(chunks.iter().map(|chunk| Near {
@@ -223,7 +224,8 @@ fn bring_near(origin: &Sample, chunks: &[Chunk], near: &mut Vec<Near>) {
 
 /// Errors at the vertex (the origin) once it has collapsed into each of its `count` neighbours, infinite for those that do not see
 /// the whole ring. Eight neighbours together: the next corner of all eight fans is the next eight neighbours of the ring.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+#[cfg_attr(not(terrane_no_avx512), multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2")))]
+#[cfg_attr(terrane_no_avx512, multiversion(targets("x86_64+avx2")))]
 fn errors_at_vertex(ring: &Ring, count: usize, errors: &mut Vec<f32>) {
     let least_area = Singles::splat(LEAST_AREA as f32);
     let infinite = Singles::splat(f32::INFINITY);
@@ -277,7 +279,8 @@ fn open_fan(ring: &Ring, stretch: std::ops::Range<usize>, spokes: &mut Vec<Spoke
 
 /// Largest error of a fan over all samples, or `None` once it reaches `limit`. The chunk that was worst moves to the front, where
 /// it stops the next candidate early.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+#[cfg_attr(not(terrane_no_avx512), multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2")))]
+#[cfg_attr(terrane_no_avx512, multiversion(targets("x86_64+avx2")))]
 fn largest_error(apex: [f32; 3], spokes: &[Spoke], chunks: &mut [Near], limit: f32) -> Option<f32> {
     let (mut worst, mut worst_chunk) = (0.0f32, 0);
     for (c, chunk) in chunks.iter().enumerate() {

@@ -44,7 +44,8 @@ impl Sweep {
     }
 }
 
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+#[cfg_attr(not(terrane_no_avx512), multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2")))]
+#[cfg_attr(terrane_no_avx512, multiversion(targets("x86_64+avx2")))]
 fn range(apex: [f64; 3], wedges: &[Wedge], x: Doubles, y: Doubles, q: Doubles) -> [Doubles; 2] {
     let (x, y) = (x - Doubles::splat(apex[0]), y - Doubles::splat(apex[1]));
     let (mut low, mut high) = (q, q);

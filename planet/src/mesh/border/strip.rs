@@ -71,7 +71,8 @@ impl Strip {
 
 /// Largest difference of depth where a new edge (position, run, depth, rise) crosses those of the grid. Edges that it does not
 /// cross do not count.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2"))]
+#[cfg_attr(not(terrane_no_avx512), multiversion(targets("x86_64+avx512f+avx512vl+avx512dq+avx512bw", "x86_64+avx2")))]
+#[cfg_attr(terrane_no_avx512, multiversion(targets("x86_64+avx2")))]
 fn crossing_error(edges: &[CrossEdges], [position, run, depth, rise]: [f64; 4]) -> f64 {
     let mut worst = [0.0f64; 2 * CELLS];
     for edges in edges {
