@@ -32,20 +32,22 @@ struct Ground {
     vec2 relief;
 };
 
-// Where the image layers hold texel `at` (0 to `side`) of a slot's tile.
-vec3 in_layer(uint slot, vec2 at, float side) {
+// Where image layers of `layer_side` texels a side hold texel `at` (0 to `side`) of a slot's tile. Nothing is rounded but the texel, to a
+// 1024th, and a layer's side is a power of two: so a patch looks the same to the last bit whichever slot it got.
+vec3 in_layer(uint slot, vec2 at, float side, int layer_side) {
     uint tile = slot % (TILES_PER_SIDE * TILES_PER_SIDE);
     vec2 corner = side * vec2(tile % TILES_PER_SIDE, tile / TILES_PER_SIDE);
-    return vec3((corner + at) / (side * float(TILES_PER_SIDE)), float(slot / (TILES_PER_SIDE * TILES_PER_SIDE)));
+    precise vec2 place = (corner + floor(1024.0 * at) / 1024.0) / float(layer_side);
+    return vec3(place, float(slot / (TILES_PER_SIDE * TILES_PER_SIDE)));
 }
 
 // Samples lie a little outside of the patch where a pixel's centre does: never so far that a neighbouring tile shows, at any mip level.
 Ground fetch(uint slot, vec2 grid, float lod) {
     float cells = float(view.cells);
     vec2 texel = 2.0 * clamp(grid, vec2(-1.0), vec2(cells + 1.0)) + float(TEXTURE_GUTTER);
-    vec3 at = in_layer(slot, texel, 2.0 * (cells + float(TEXTURE_GUTTER)));
+    vec3 at = in_layer(slot, texel, 2.0 * (cells + float(TEXTURE_GUTTER)), textureSize(albedo, 0).x);
     vec4 color = textureLod(albedo, at, lod);
-    vec3 vertex = in_layer(slot, clamp(grid, vec2(0.0), vec2(cells)) + 0.5, cells + 1.0);
+    vec3 vertex = in_layer(slot, clamp(grid, vec2(0.0), vec2(cells)) + 0.5, cells + 1.0, textureSize(relief, 0).x);
     return Ground(textureLod(slopes, at, lod).xy, color.rgb, color.a, textureLod(relief, vertex, 0.0).xy);
 }
 

@@ -45,7 +45,7 @@ pub enum Scope {
 #[derive(Clone, Debug)]
 pub struct SceneOptions {
     /// Most bytes of patches on the GPU: their vertices, triangle lists and textures. Room for the six whole faces and one set of
-    /// children is always taken. Nothing is allocated before it is needed. With textures there are at most 16 times as many patches as
+    /// children is always taken. Nothing is allocated before it is needed. With textures there are at most 49 times as many patches as
     /// the device has image layers.
     pub gpu_bytes: u64,
     /// Most bytes of main memory for patches: the ground of those on the GPU, for cameras, and those on their way there. Room for as
@@ -118,16 +118,16 @@ mod tests {
                 let slots = u64::from(capacity.next_multiple_of(textures::SLOTS_PER_LAYER));
                 let bytes = u64::from(capacity) * resident::bytes_of_patch(cells) + slots * tile;
                 assert!(bytes <= gpu_bytes, "{cells} cells, {gpu_bytes} bytes: {capacity} patches take {bytes}");
-                assert!(capacity <= 16 * layers);
+                assert!(capacity <= textures::SLOTS_PER_LAYER * layers);
                 let next = bytes + u64::from(textures::SLOTS_PER_LAYER) * tile + resident::bytes_of_patch(cells);
                 assert!(
-                    next > gpu_bytes || capacity == 16 * layers,
+                    next > gpu_bytes || capacity == textures::SLOTS_PER_LAYER * layers,
                     "{cells} cells, {gpu_bytes} bytes: more than {capacity} fit"
                 );
             }
         }
         let all = SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, ..SceneOptions::default() };
-        assert_eq!(Budget::new(&all, 128, u32::MAX, layers).capacity, 16 * layers);
+        assert_eq!(Budget::new(&all, 128, u32::MAX, layers).capacity, textures::SLOTS_PER_LAYER * layers);
         let mesh = SceneOptions::whole_mesh();
         assert_eq!(Budget::new(&mesh, 128, 70_000, layers).capacity, 70_000);
     }

@@ -20,10 +20,17 @@ const RELIEF_FORMAT: vk::Format = vk::Format::R16G16_SFLOAT;
 /// Albedo, decoded from sRGB by the sampler.
 const ALBEDO_FORMAT: vk::Format = vk::Format::R8G8B8A8_SRGB;
 
-/// Bytes of the textures of one patch of `cells` cells a side, mip levels included.
+/// Bytes that the textures of one patch of `cells` cells a side take of a layer, mip levels included.
 pub(super) fn bytes_of_tile(cells: u32) -> u64 {
-    let texels: u64 = (0..MIP_LEVELS).map(|mip| u64::from(texture_side(cells) >> mip).pow(2)).sum();
-    texels * (size_of::<[u16; 2]>() + size_of::<[u8; 4]>()) as u64 + u64::from(cells + 1).pow(2) * size_of::<[u16; 2]>() as u64
+    let texels: u64 = (0..MIP_LEVELS).map(|mip| u64::from(layer_side(texture_side(cells)) >> mip).pow(2)).sum();
+    let relief = u64::from(layer_side(cells + 1)).pow(2) * size_of::<[u16; 2]>() as u64;
+    let layer = texels * (size_of::<[u16; 2]>() + size_of::<[u8; 4]>()) as u64 + relief;
+    layer.div_ceil(SLOTS_PER_LAYER.into())
+}
+
+/// Texels along a side of a layer whose tiles have `side`: a power of two, so that coordinates divided by it stay exact.
+fn layer_side(side: u32) -> u32 {
+    (TILES_PER_SIDE * side).next_power_of_two()
 }
 
 /// The texture arrays and their free slots.
@@ -93,7 +100,7 @@ impl TexturePool {
         upload.image_region(&self.relief, &region(slot, 0, self.cells + 1), &relief.texels)
     }
 
-    /// Doubles the layers, as far as that is allowed and `create` finds memory for them. Frames under way keep the old arrays.
+    /// Makes the layers half as many again, as far as that is allowed and `create` finds memory for them. Frames under way keep the old arrays.
     fn grow(&mut self, upload: &mut Upload, create: impl FnOnce(u32) -> Result<[Image; 3]>) -> Result<()> {
         let layers = self.slopes.layers();
         let wanted = (layers + (layers / 2).max(1)).min(self.most_layers);
@@ -121,7 +128,7 @@ impl TexturePool {
 /// Slopes, albedo and relief of so many layers.
 fn arrays(context: &Arc<Context>, cells: u32, layers: u32) -> Result<[Image; 3]> {
     let array = |name, format, side, mips| {
-        let (side, usage) = (TILES_PER_SIDE * side, vk::ImageUsageFlags::SAMPLED);
+        let (side, usage) = (layer_side(side), vk::ImageUsageFlags::SAMPLED);
         let description =
             ImageDescription { layers, array: true, mips, ..ImageDescription::new(name, (side, side), format, usage) };
         Image::new(context, &description)
@@ -252,7 +259,7 @@ mod tests {
 
     /// What a slot's tile of an array holds.
     fn tile(context: &Arc<Context>, array: &Image, slot: u32, mip: u32) -> Vec<u8> {
-        let side = array.mip_size(mip).0 / TILES_PER_SIDE;
+        let side = if array.mips() == 1 { CELLS + 1 } else { texture_side(CELLS) >> mip };
         let ImageRegion { layer, origin: (x, y), .. } = region(slot, mip, side);
         let captured = capture(context, array, (layer, mip), Access::Sampled).unwrap();
         let row = |row: u32| captured.bytes[4 * (row * captured.width + x) as usize..][..4 * side as usize].to_vec();
@@ -286,8 +293,8 @@ mod tests {
     #[test]
     fn slots_are_tiles_of_layers_row_by_row() {
         let place = |slot| (region(slot, 0, 10).layer, region(slot, 0, 10).origin);
-        assert_eq!([0, 3, 4, 15].map(place), [(0, (0, 0)), (0, (30, 0)), (0, (0, 10)), (0, (30, 30))]);
-        assert_eq!([16, 37].map(place), [(1, (0, 0)), (2, (10, 10))]);
+        assert_eq!([0, 3, 7, 24].map(place), [(0, (0, 0)), (0, (30, 0)), (0, (0, 10)), (0, (30, 30))]);
+        assert_eq!([49, 57, 6].map(place), [(1, (0, 0)), (1, (10, 10)), (0, (60, 0))]);
         let every: Vec<ImageRegion> = (0..40).map(|slot| region(slot, 0, 10)).collect();
         let apart = |(i, a): (usize, &ImageRegion)| every[..i].iter().all(|b| !a.overlaps(b));
         assert!(every.iter().enumerate().all(apart));
@@ -326,24 +333,24 @@ mod tests {
     #[test]
     fn growth_keeps_every_tile() {
         let Some(context) = device() else { return };
-        let mut pool = TexturePool::new(&context, CELLS, 100).unwrap();
+        let mut pool = TexturePool::new(&context, CELLS, 7 * SLOTS_PER_LAYER - 5).unwrap();
         let (first, most) = pool.bytes();
-        assert!(first >= u64::from(SLOTS_PER_LAYER) * bytes_of_tile(CELLS) && most >= 7 * first, "{first} of {most}");
+        assert!(first >= u64::from(SLOTS_PER_LAYER) * (bytes_of_tile(CELLS) - 1) && most >= 7 * first, "{first} of {most}");
         // Four growths, to 2, 3, 4 and 6 layers: all but the first within one batch, over what the first left.
         let mut upload = Upload::new(&context, 1 << 16);
-        let mut slots = fill(&mut pool, &mut upload, 20);
+        let mut slots = fill(&mut pool, &mut upload, SLOTS_PER_LAYER + 4);
         assert_eq!(pool.slopes.layers(), 2);
         upload.finish().unwrap();
-        slots.extend(fill(&mut pool, &mut upload, 60));
+        slots.extend(fill(&mut pool, &mut upload, 4 * SLOTS_PER_LAYER - 4));
         upload.finish().unwrap();
-        assert_eq!((slots.len(), pool.slopes.layers()), (80, 6));
+        assert_eq!((slots.len(), pool.slopes.layers()), (5 * SLOTS_PER_LAYER as usize, 6));
         assert_eq!(first_wrong(&context, &pool, &slots), None);
         // Slots that nothing was written to are 0, not what memory held before: not-a-number times a weight of 0 is no 0.
-        assert!(tile(&context, &pool.relief, 90, 0).iter().all(|&byte| byte == 0));
+        assert!(tile(&context, &pool.relief, 5 * SLOTS_PER_LAYER + 10, 0).iter().all(|&byte| byte == 0));
         // Full: whole layers are used up, then there is none, until one is released.
         slots.extend(fill(&mut pool, &mut upload, 1000));
         upload.finish().unwrap();
-        assert_eq!((slots.len(), pool.slopes.layers()), (7 * 16, 7));
+        assert_eq!((slots.len(), pool.slopes.layers()), (7 * SLOTS_PER_LAYER as usize, 7));
         let (bytes, most) = pool.bytes();
         assert!(bytes <= most);
         pool.release(9);

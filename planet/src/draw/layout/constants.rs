@@ -30,7 +30,7 @@ shared_constants! {
     /// Texture slot of a patch without one.
     NO_SLOT: u32 = u32::MAX;
     /// Texture tiles along a side of an image layer: slot s is tile s mod T² of layer s / T², row by row.
-    TILES_PER_SIDE: u32 = 4;
+    TILES_PER_SIDE: u32 = 7;
     /// Sea level of a planet without a sea.
     NO_SEA: f32 = -1e30;
     /// Bits of an emitted index that name the vertex; the rest name the patch.
