@@ -182,7 +182,7 @@ impl<'a> Search<'a> {
         self.drop_unsupported(&|search, id| search.may_split_beside(id));
         PatchId::roots().for_each(|root| self.list_ideal(root, 0.0, &mut cut));
         if !cut.wanted.is_empty() {
-            cut.wanted.iter().for_each(|&(id, urgency)| self.stand_in(id, urgency));
+            self.stand_in(cut.wanted.iter().map(|(id, _)| *id).collect());
             self.drop_unsupported(&|search, id| search.has_neighbours(id) && search.is_covered(id));
         }
         PatchId::roots().for_each(|root| self.collect(root, &mut cut.leaves));
@@ -227,33 +227,37 @@ impl<'a> Search<'a> {
         let Some(node) = self.tree.get(id).filter(|_| self.is_in_sight(id)) else { return };
         let urgency = (self.urgency)(id, node);
         if urgency < 1.0 && self.can_split(id) {
-            self.split_balanced(id, urgency);
+            self.split_balanced(id, urgency, &mut Vec::new());
             self.children_in_sight(id).for_each(|child| self.refine(child));
         }
     }
 
-    fn split_balanced(&mut self, id: PatchId, urgency: f64) {
+    /// Splits a patch and what balance then asks for; says which those were.
+    fn split_balanced(&mut self, id: PatchId, urgency: f64, added: &mut Vec<PatchId>) {
         if self.split.contains_key(&id) || !self.can_split(id) {
             return;
         }
         self.split.insert(id, urgency);
-        self.neighbours_parents(id).for_each(|parent| self.split_balanced(parent, urgency));
+        added.push(id);
+        self.neighbours_parents(id).for_each(|parent| self.split_balanced(parent, urgency, added));
     }
 
-    /// Where a wanted patch is not resident but all its children are, they stand in for it.
-    fn stand_in(&mut self, id: PatchId, urgency: f64) {
-        if self.could_stand_in(id) {
-            self.split_balanced(id, urgency);
-            for child in self.children_in_sight(id) {
-                if !(self.resident)(child) {
-                    self.stand_in(child, urgency);
+    /// Where a patch is not resident but all its children are, they stand in for it; and so for whatever has to split beside them then.
+    fn stand_in(&mut self, mut gaps: Vec<PatchId>) {
+        while let Some(gap) = gaps.pop() {
+            if !self.split.contains_key(&gap) && self.has_stand_ins(gap) {
+                let mut added = Vec::new();
+                self.split_balanced(gap, 1.0, &mut added);
+                for id in added {
+                    let missing = |child: &PatchId| !(self.resident)(*child);
+                    gaps.extend(self.children_in_sight(id).filter(missing));
                 }
             }
         }
     }
 
-    fn could_stand_in(&mut self, id: PatchId) -> bool {
-        self.can_split(id) && self.children_in_sight(id).all(|child| (self.resident)(child) || self.could_stand_in(child))
+    fn has_stand_ins(&mut self, id: PatchId) -> bool {
+        self.can_split(id) && self.children_in_sight(id).all(|child| (self.resident)(child) || self.has_stand_ins(child))
     }
 
     /// Whether balance lets a patch split, or may do so once more is known.
