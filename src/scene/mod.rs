@@ -11,6 +11,7 @@ mod options;
 mod resident;
 mod source;
 mod textures;
+mod wants;
 
 pub use clouds::CloudMaps;
 pub use drawn_ground::DrawnGround;
@@ -22,15 +23,15 @@ pub use textures::TexturePool;
 use crate::vulkan::{Commands, Context, Upload, VulkanError};
 use glam::DVec3;
 use keeper::Keeper;
-use loader::{Loaded, Loader, Order, Parts, Request, Response};
+use loader::{Loaded, Loader, Parts, Request, Response};
 use options::Budget;
 use source::{Source, Sun, Tally};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
-use terrane_planet::draw::cut::{cut, cut_by, cut_in_sight, shows_through, texture_level, urgency_within, Cut};
+use terrane_planet::draw::cut::{cut_by, cut_in_sight, urgency_within, Cut};
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
@@ -43,21 +44,6 @@ use thiserror::Error;
 
 /// Bytes staged at a time.
 const UPLOAD_CHUNK: u64 = 8 << 20;
-
-/// How much nearer patches split each time that one was turned away, all resident ones being in use.
-const NEARER: f64 = 0.7;
-
-/// How much farther they split again in every frame in which less than so much of the room is taken.
-const FARTHER: f64 = 1.02;
-const ROOMY: f64 = 0.6;
-
-/// Patches of which something is known, past which those that nothing needs any more are forgotten.
-const MOST_KNOWN: usize = 100_000;
-
-/// Urgency of textures that show through others', and of what surrounds the picture: after all that is seen of the mesh, the urgency of
-/// which is below 1.
-const AFTER_MESHES: f64 = 1.0;
-const SURROUNDINGS: f64 = 2.0;
 
 /// Why a scene cannot be opened or kept up to date.
 #[derive(Debug, Error)]
@@ -240,37 +226,6 @@ impl Scene {
         self.resident.get(&id)?.slot
     }
 
-    /// The textures that a view draws a patch with: of the level that is fine enough, or coarser as long as those are not there.
-    pub fn textures_of(&self, view: &View, id: PatchId) -> PatchTextures {
-        let mut at = Some(self.textures_wanted(view, id));
-        while let Some(patch) = at {
-            if let Some(slot) = self.slot(patch) {
-                return PatchTextures { patch, slot };
-            }
-            at = patch.parent();
-        }
-        PatchTextures { patch: id, slot: 0 }
-    }
-
-    /// The patch whose textures a view would draw a patch with.
-    fn textures_wanted(&self, view: &View, id: PatchId) -> PatchId {
-        let level = self.tree.get(id).map_or(id.level, |node| texture_level(&self.tree, view, id.level, &node.space));
-        id.ancestor(level)
-    }
-
-    /// The patches whose textures the drawn ones show.
-    fn textures_shown(&self, view: &View, cut: &Cut) -> HashSet<PatchId> {
-        let mut shown = HashSet::new();
-        for leaf in cut.leaves.iter().filter(|_| self.has_textures) {
-            let patch = self.textures_wanted(view, leaf.id);
-            let coarser = patch.parent().filter(|parent| {
-                self.tree.get(leaf.id).is_some_and(|node| shows_through(&self.tree, view, parent.level, &node.space))
-            });
-            shown.extend([patch].into_iter().chain(coarser));
-        }
-        shown
-    }
-
     /// Number of patches on the GPU, those included of which only the textures are.
     pub fn resident_count(&self) -> usize {
         self.resident.len()
@@ -322,13 +277,6 @@ impl Scene {
         }
     }
 
-    /// Of the patches whose textures are shown, those whose light is that of an earlier sun.
-    fn stale(&self, shown: &HashSet<PatchId>) -> Vec<PatchId> {
-        let number = self.sun.read().unwrap_or_else(PoisonError::into_inner).number;
-        let of_earlier = |id: &&PatchId| self.resident.get(id).is_some_and(|patch| patch.slot.is_some() && patch.sun != number);
-        shown.iter().filter(of_earlier).copied().collect()
-    }
-
     /// Textures of the resident patches.
     pub fn textures(&self) -> &TexturePool {
         &self.textures
@@ -373,68 +321,15 @@ impl Scene {
         self.settled = stale.is_empty() && complete;
         self.mark_used(&cut, &shown);
         let mut orders = self.orders(view, &cut, &shown);
-        if self.scope == Scope::Flight && complete && self.is_roomy() {
-            orders.extend(self.surroundings(view));
-        }
         // Shape before light.
         orders.extend(stale.into_iter().map(|id| (id, Request::Horizon, f64::MAX)));
-        self.loader.request(orders);
+        if self.scope == Scope::Flight && complete && orders.is_empty() && self.is_roomy() {
+            self.look_around(view);
+        } else {
+            self.loader.request(orders);
+        }
         self.forget_unused(&cut);
         cut
-    }
-
-    /// Where not all fits that the view wants, patches split nearer, until it does.
-    fn keep_within_budget(&mut self) {
-        if std::mem::take(&mut self.full) {
-            self.share *= NEARER;
-        } else if self.is_roomy() {
-            self.share = (self.share * FARTHER).min(1.0);
-        }
-    }
-
-    fn is_roomy(&self) -> bool {
-        (self.resident.len() as f64) < ROOMY * self.capacity as f64
-    }
-
-    /// Whether the latest picture is coarser than its view wants, because no more fits.
-    pub fn is_limited(&self) -> bool {
-        self.share < 1.0
-    }
-
-    /// What the workers are to do for a view.
-    fn orders(&self, view: &View, cut: &Cut, shown: &HashSet<PatchId>) -> Vec<Order> {
-        let mut meshes: HashMap<PatchId, f64> = cut.wanted.iter().copied().collect();
-        if self.scope != Scope::Still {
-            // Coarse to fine: their urgency is smaller than that of what replaces them.
-            meshes.extend(cut.above.iter().copied().filter(|(id, _)| self.mesh(*id).is_none()));
-        }
-        let textures: HashSet<PatchId> = shown.iter().copied().filter(|id| self.slot(*id).is_none()).collect();
-        let snapshot = Arc::new(*view);
-        let mesh_order = |(&id, &urgency): (&PatchId, &f64)| {
-            let parts = Parts { mesh: true, texture: textures.contains(&id) };
-            (id, if self.tree.get(id).is_some() { Request::Load(parts) } else { Request::Explore(snapshot.clone()) }, urgency)
-        };
-        let mut orders: Vec<Order> = meshes.iter().map(mesh_order).collect();
-        let only = Parts { mesh: false, texture: true };
-        let alone = textures.iter().filter(|id| !meshes.contains_key(id));
-        orders.extend(alone.map(|&id| (id, Request::Load(only), AFTER_MESHES)));
-        orders
-    }
-
-    /// What the view would draw out of sight: whoever turns around finds it.
-    fn surroundings(&self, view: &View) -> Vec<Order> {
-        let around = cut(&self.tree, view, &|id| self.mesh(id).is_some());
-        let snapshot = Arc::new(*view);
-        around.wanted.into_iter().map(|(id, urgency)| (id, Request::Explore(snapshot.clone()), SURROUNDINGS + urgency)).collect()
-    }
-
-    /// Forgets patches that neither the view needs nor the GPU holds, when many are known.
-    fn forget_unused(&mut self, cut: &Cut) {
-        if self.tree.len() > MOST_KNOWN {
-            let used: HashSet<PatchId> = cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id)).collect();
-            let resident = &self.resident;
-            self.tree.forget_but(|id| id.level == 0 || used.contains(&id) || resident.contains_key(&id));
-        }
     }
 
     /// Updates until everything the view wants is resident (or nothing more fits), and returns the final cut.
@@ -456,20 +351,6 @@ impl Scene {
             show(self.resident.len(), self.loader.pending());
             let arrived = self.loader.wait(Duration::from_secs(60))?;
             self.upload(arrived)?;
-        }
-    }
-
-    fn mark_used(&mut self, cut: &Cut, shown: &HashSet<PatchId>) {
-        // Those that wait for others count as used: taken out to make room for these, they would be asked for for ever.
-        for id in cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id)) {
-            if let Some(patch) = self.resident.get_mut(&id) {
-                patch.last_used = self.frame;
-            }
-        }
-        for id in cut.leaves.iter().map(|leaf| leaf.id).chain(shown.iter().copied()) {
-            if let Some(patch) = self.resident.get_mut(&id) {
-                patch.last_used = self.frame;
-            }
         }
     }
 
