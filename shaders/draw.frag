@@ -57,7 +57,7 @@ Ground ground_of(PatchDraw target, float distance, float slant) {
     float lod = log2(distance / target.texel_distance) - 0.5 * log2(max(slant, 0.02));
     vec2 at = target.texture_corner + target.texture_cell * in_grid;
     Ground own = fetch(target.slot, at, lod);
-    float parent_share = smoothstep(0.65, 1.0, distance / target.fade_distance);
+    float parent_share = smoothstep(FADE_FROM, 1.0, distance / target.fade_distance);
     if (target.parent_slot != NO_SLOT && parent_share > 0.0) {
         vec2 grid = 0.5 * (at + float(view.cells) * vec2(target.quarter));
         Ground parent = fetch(target.parent_slot, grid, lod - 1.0);

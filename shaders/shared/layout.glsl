@@ -149,6 +149,7 @@ bool is_diagram(uint mode) { return mode == MODE_NORMALS || mode == MODE_ALBEDO 
 bool is_plain(uint mode) { return mode == MODE_NORMALS || mode == MODE_DEPTH; }
 const uint TEXTURE_GUTTER = 4u;
 const float SHORE_RANGE = 400.0;
+const float FADE_FROM = 0.65;
 const uint WAKE_ASLEEP = 0u;
 const uint WAKE_ALWAYS = 65535u;
 const uint WAKE_MANTISSA_BITS = 10u;

@@ -1,5 +1,5 @@
 //! The scene: which patches of a planet are on the GPU. Nothing here blocks a frame: patches are read, or built where no file holds
-//! them, by background workers, uploaded under a budget, and a patch splits only when all four children are there.
+//! them, by background workers, uploaded under a budget, and a patch splits only when all that replaces it in sight is there.
 //!
 //! In: a planet file and a view. Out: the cut, and the resident patches that it draws.
 

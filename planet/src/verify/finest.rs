@@ -16,7 +16,7 @@ use glam::DVec3;
 use std::collections::HashSet;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Full grids kept in memory, of some 300 kB each (128 cells). Past it, those unused for longest go.
+/// Full grids kept in memory, of some 80 kB each (64 cells). Past it, those unused for longest go.
 const MOST_GRIDS: usize = 1536;
 
 /// Reads a patch.

@@ -2,6 +2,7 @@
 
 use super::glsl::GlslConstant;
 use crate::globe::patch::Side;
+use crate::draw::cut::FADE_FROM;
 use crate::ground::texture::SHORE_RANGE;
 use crate::ground::GUTTER;
 use crate::maps::clouds::CLOUD_EDGE;
@@ -164,6 +165,7 @@ fn elsewhere() -> Vec<String> {
         mode_test("is_plain", Mode::is_plain),
         (GUTTER as u32).declare("TEXTURE_GUTTER"),
         SHORE_RANGE.declare("SHORE_RANGE"),
+        FADE_FROM.declare("FADE_FROM"),
         u32::from(Wake::ASLEEP.code()).declare("WAKE_ASLEEP"),
         u32::from(Wake::ALWAYS.code()).declare("WAKE_ALWAYS"),
         MANTISSA_BITS.declare("WAKE_MANTISSA_BITS"),
