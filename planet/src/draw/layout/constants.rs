@@ -1,8 +1,8 @@
 //! Numbers that both the shaders and Rust know, each declared here or where it belongs (then [`elsewhere`] names it), and their GLSL.
 
 use super::glsl::GlslConstant;
-use crate::globe::patch::Side;
 use crate::draw::cut::FADE_FROM;
+use crate::globe::patch::Side;
 use crate::ground::texture::SHORE_RANGE;
 use crate::ground::GUTTER;
 use crate::maps::clouds::CLOUD_EDGE;
