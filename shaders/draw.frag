@@ -51,8 +51,9 @@ Ground fetch(uint slot, vec2 grid, float lod) {
     return Ground(textureLod(slopes, at, lod).xy, color.rgb, color.a, textureLod(relief, vertex, 0.0).xy);
 }
 
-// Textures are those of the patch or of an ancestor, whichever is fine enough. They fade in over those of the next coarser patch by distance, so that no switch of detail is seen. The mip level comes from
-// distance and slant, not from screen derivatives: those differ between the triangles of one surface, and show its edges.
+// Textures are those of the patch or of an ancestor, whichever is fine enough. They fade in over those of the next coarser patch by
+// distance, so that no switch of detail is seen. The mip level comes from distance and slant, not from screen derivatives: those differ
+// between the triangles of one surface, and show its edges.
 Ground ground_of(PatchDraw target, float distance, float slant) {
     float lod = log2(distance / target.texel_distance) - 0.5 * log2(max(slant, 0.02));
     vec2 at = target.texture_corner + target.texture_cell * in_grid;

@@ -19,7 +19,7 @@ fn parts(criterion: &mut Criterion) {
             group.sample_size(20);
             group.bench_function("heights", |b| b.iter(|| HeightGrid::sample(&ground, id)));
             let grid = HeightGrid::sample(&ground, id);
-            group.bench_function("mesh", |b| b.iter(|| PatchMesh::build(&ground, id, &grid)));
+            group.bench_function("mesh", |b| b.iter(|| PatchMesh::build(&ground, &grid)));
             group.bench_function("textures", |b| b.iter(|| PatchTexture::new(&ground, &planet.terrain, id, &grid)));
             let (mesh, texture, _) = planet.build(id);
             group.bench_function("encode", |b| b.iter(|| BakedPatch::new(&mesh, &texture)));

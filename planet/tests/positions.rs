@@ -96,7 +96,7 @@ fn what_the_gpu_gets_is_what_the_builder_measured() {
     let ground = field.ground(CELLS);
     for id in PatchId::roots().filter_map(|root| root.children()).flatten() {
         let grid = HeightGrid::sample(&ground, id);
-        let (mesh, _) = PatchMesh::build(&ground, id, &grid);
+        let (mesh, _) = PatchMesh::build(&ground, &grid);
         let positions = grid_positions(&field, id);
         for vertex in PatchVertex::of_patch(&mesh, &ground.lattice) {
             assert_eq!(IVec3::from_array(vertex.position), positions[vertex.grid() as usize]);

@@ -116,7 +116,7 @@ fn sampled_grids_are_those_of_built_patches() {
     let ground = FIELD.ground(CELLS);
     let mut random = Random::new(9);
     for id in leaves().into_iter().step_by(17) {
-        let (mesh, _) = PatchMesh::build(&ground, id, &HeightGrid::sample(&ground, id));
+        let (mesh, _) = PatchMesh::build(&ground, &HeightGrid::sample(&ground, id));
         let (built, sampled) = (PatchGrid::of_mesh(&mesh, &ground.lattice), PatchGrid::sample(&ground, id));
         for _ in 0..50 {
             let direction = random_point(&mut random, &FIELD, id).0.normalize();

@@ -69,17 +69,21 @@ pub(super) struct Source {
 impl Source {
     /// Finds out what is known of a patch, and loads of it what the view draws.
     pub(super) fn explore(&self, id: PatchId, view: &View) -> Result<Loaded, StoreError> {
-        let mut found = Found::default();
+        let mut stored = None;
         for file in &self.files {
-            found.facts = found.facts.or(file.facts(id)?);
+            stored = stored.or(file.facts(id)?);
         }
-        if found.facts.is_none() {
-            let survey = self.survey(id);
-            (found.facts, found.survey) = (Some(survey.facts), Some(survey));
-        }
-        let node = found.facts.map(|facts| self.tree.node(id, &facts));
-        let is_drawn = node.is_some_and(|node| !self.tree.can_split(id) || urgency(&self.tree, view, id.level, &node) >= 1.0);
-        let shown = node.is_some_and(|node| shows_textures(&self.tree, view, id, &node.space, is_drawn));
+        let (facts, survey) = match stored {
+            Some(facts) => (facts, None),
+            None => {
+                let survey = self.survey(id);
+                (survey.facts, Some(survey))
+            }
+        };
+        let node = self.tree.node(id, &facts);
+        let is_drawn = !self.tree.can_split(id) || urgency(&self.tree, view, id.level, &node) >= 1.0;
+        let shown = shows_textures(&self.tree, view, id, &node.space, is_drawn);
+        let found = Found { facts: Some(facts), survey, ..Found::default() };
         self.load_into(found, id, Parts { mesh: is_drawn || self.scope != Scope::Still, texture: self.textures && shown })
     }
 
@@ -140,7 +144,7 @@ impl Source {
         if lacks.mesh {
             let (mesh, faults) = self.timed(|| survey.mesh(&self.planet.ground()));
             if faults != Default::default() {
-                tracing::warn!(patch = %survey.id, ?faults, "the builder broke its own rules");
+                tracing::warn!(patch = %survey.grid.id, ?faults, "the builder broke its own rules");
             }
             self.tally.built.fetch_add(1, Ordering::Relaxed);
             found.mesh = Some(mesh);

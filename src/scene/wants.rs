@@ -25,6 +25,11 @@ const AFTER_MESHES: f64 = 1.0;
 /// Updates from one look around to the next: it takes as long as choosing what to draw.
 const LOOKS_EVERY: u64 = 16;
 
+/// All that a view would draw, and their ancestors.
+fn wanted_by(cut: &Cut) -> impl Iterator<Item = PatchId> + '_ {
+    cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id))
+}
+
 impl Scene {
     /// The textures that a view draws a patch with: of the level that is fine enough, or coarser as long as those are not there.
     pub fn textures_of(&self, view: &View, id: PatchId) -> PatchTextures {
@@ -116,20 +121,17 @@ impl Scene {
     /// Forgets patches that neither the view needs nor the GPU holds, when many are known.
     pub(super) fn forget_unused(&mut self, cut: &Cut) {
         if self.tree.len() > MOST_KNOWN {
-            let used: HashSet<PatchId> = cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id)).collect();
+            let used: HashSet<PatchId> = wanted_by(cut).collect();
             let resident = &self.resident;
             self.tree.forget_but(|id| id.level == 0 || used.contains(&id) || resident.contains_key(&id));
         }
     }
 
+    /// Notes what the latest cut uses: it is not evicted.
     pub(super) fn mark_used(&mut self, cut: &Cut, shown: &HashSet<PatchId>) {
         // Those that wait for others count as used: taken out to make room for these, they would be asked for for ever.
-        for id in cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id)) {
-            if let Some(patch) = self.resident.get_mut(&id) {
-                patch.last_used = self.frame;
-            }
-        }
-        for id in cut.leaves.iter().map(|leaf| leaf.id).chain(shown.iter().copied()) {
+        let waiting = wanted_by(cut);
+        for id in waiting.chain(cut.leaves.iter().map(|leaf| leaf.id)).chain(shown.iter().copied()) {
             if let Some(patch) = self.resident.get_mut(&id) {
                 patch.last_used = self.frame;
             }

@@ -179,11 +179,13 @@ impl<'a> Search<'a> {
     fn run(mut self) -> Cut {
         let mut cut = Cut::default();
         PatchId::roots().for_each(|root| self.refine(root));
-        self.drop_unsupported(&|search, id| search.may_split_beside(id));
+        let tree = self.tree;
+        // What is not known yet may turn out to split.
+        self.drop_unsupported(&|search, id| search.is_balanced(id, &|parent| tree.get(parent).is_none()));
         PatchId::roots().for_each(|root| self.list_ideal(root, 0.0, &mut cut));
         if !cut.wanted.is_empty() {
             self.stand_in(cut.wanted.iter().map(|(id, _)| *id).collect());
-            self.drop_unsupported(&|search, id| search.has_neighbours(id) && search.is_covered(id));
+            self.drop_unsupported(&|search, id| search.is_balanced(id, &|_| false) && search.is_covered(id));
         }
         PatchId::roots().for_each(|root| self.collect(root, &mut cut.leaves));
         cut
@@ -260,18 +262,11 @@ impl<'a> Search<'a> {
         self.can_split(id) && self.children_in_sight(id).all(|child| (self.resident)(child) || self.has_stand_ins(child))
     }
 
-    /// Whether balance lets a patch split, or may do so once more is known.
-    fn may_split_beside(&mut self, id: PatchId) -> bool {
-        let unknown = |search: &Search, parent: PatchId| search.tree.get(parent).is_none();
-        self.has_parent(id) && self.neighbours_parents(id).all(|p| self.split.contains_key(&p) || unknown(self, p))
-    }
-
-    fn has_parent(&self, id: PatchId) -> bool {
-        id.parent().is_none_or(|parent| self.split.contains_key(&parent))
-    }
-
-    fn has_neighbours(&mut self, id: PatchId) -> bool {
-        self.has_parent(id) && self.neighbours_parents(id).all(|parent| self.split.contains_key(&parent))
+    /// Whether the parent of a patch splits, and those of its neighbours do or `may`.
+    fn is_balanced(&mut self, id: PatchId, may: &dyn Fn(PatchId) -> bool) -> bool {
+        let splits = |id: &PatchId| self.split.contains_key(id);
+        let parent_splits = id.parent().is_none_or(|parent| splits(&parent));
+        parent_splits && self.neighbours_parents(id).all(|parent| self.split.contains_key(&parent) || may(parent))
     }
 
     /// Whether all that replaces a patch can be drawn.
@@ -350,9 +345,7 @@ fn is_in_the_dark(tree: &PatchTree, view: &View, space: &Space) -> bool {
 
 /// Whether any of a patch can be seen, as far as its ancestors know: what [`cut_in_sight`] goes by.
 pub fn is_in_sight(tree: &PatchTree, view: &View, id: PatchId) -> bool {
-    let Some(parent) = id.parent() else { return tree.get(id).is_none_or(|node| is_visible(tree, view, &node.space)) };
-    let seen = |node: &PatchNode| is_visible(tree, view, &node.quarters[id.quarter()].space);
-    tree.get(parent).is_none_or(seen) && is_in_sight(tree, view, parent)
+    Search::new(tree, &|_, _| f64::INFINITY, &|space| is_visible(tree, view, space), &|_| false).is_in_sight(id)
 }
 
 /// Whether the ball that hides what is behind it hides all of a space.

@@ -13,11 +13,9 @@ use crate::ground::{Ground, GroundColour, HeightGrid};
 
 /// A sampled patch.
 pub struct Survey {
-    /// Which patch.
-    pub id: PatchId,
     /// What is known of it.
     pub facts: PatchFacts,
-    /// Its samples.
+    /// Its samples, and which patch it is.
     pub grid: HeightGrid,
     surface: Surface,
 }
@@ -27,16 +25,16 @@ impl Survey {
     pub fn new(ground: &Ground, id: PatchId) -> Survey {
         let grid = HeightGrid::sample(ground, id);
         let surface = Surface::new(ground, &grid);
-        Survey { id, facts: facts(ground, &grid, &surface), grid, surface }
+        Survey { facts: facts(ground, &grid, &surface), grid, surface }
     }
 
     /// Builds its mesh.
     pub fn mesh(&self, ground: &Ground) -> (PatchMesh, Faults) {
-        PatchMesh::of_surface(ground, self.id, &self.grid, &self.surface, self.facts)
+        PatchMesh::of_surface(ground, &self.grid, &self.surface, self.facts)
     }
 
     /// Its textures.
     pub fn texture(&self, ground: &Ground, colour: &dyn GroundColour) -> PatchTexture {
-        PatchTexture::new(ground, colour, self.id, &self.grid)
+        PatchTexture::new(ground, colour, self.grid.id, &self.grid)
     }
 }

@@ -54,7 +54,7 @@ pub(crate) fn of_meshes(lattice: Lattice, cells: u32, meshes: impl Iterator<Item
 }
 
 fn build(ground: &Ground, id: PatchId) -> PatchMesh {
-    let (mesh, faults) = PatchMesh::build(ground, id, &HeightGrid::sample(ground, id));
+    let (mesh, faults) = PatchMesh::build(ground, &HeightGrid::sample(ground, id));
     assert_eq!(faults, Faults::default());
     mesh
 }

@@ -24,7 +24,7 @@ pub(super) fn small_setting(cells: u32, levels: u8) -> Setting {
         at += 1;
     }
     let ground = planet.ground();
-    let build = |id| (id, PatchMesh::build(&ground, id, &HeightGrid::sample(&ground, id)).0);
+    let build = |id| (id, PatchMesh::build(&ground, &HeightGrid::sample(&ground, id)).0);
     let meshes: HashMap<PatchId, PatchMesh> = ids.into_iter().map(build).collect();
     let tree = planet.tree(meshes.values().map(|m| (m.id, m.facts)));
     Setting::new(tree, Box::new(move |id| Ok(meshes[&id].clone())))

@@ -48,23 +48,17 @@ pub struct PatchMesh {
 
 impl PatchMesh {
     /// Builds a patch from its height samples. A pure function of terrain and patch id.
-    pub fn build(ground: &Ground, id: PatchId, grid: &HeightGrid) -> (PatchMesh, Faults) {
+    pub fn build(ground: &Ground, grid: &HeightGrid) -> (PatchMesh, Faults) {
         let surface = Surface::new(ground, grid);
-        PatchMesh::of_surface(ground, id, grid, &surface, facts(ground, grid, &surface))
+        PatchMesh::of_surface(ground, grid, &surface, facts(ground, grid, &surface))
     }
 
     /// Builds a patch whose surface and facts are known.
-    pub fn of_surface(
-        ground: &Ground,
-        id: PatchId,
-        grid: &HeightGrid,
-        surface: &Surface,
-        facts: PatchFacts,
-    ) -> (PatchMesh, Faults) {
+    pub fn of_surface(ground: &Ground, grid: &HeightGrid, surface: &Surface, facts: PatchFacts) -> (PatchMesh, Faults) {
         let rules = BorderRules::new(ground, grid, KAPPA_BUILD);
         let hierarchy = build(surface, rules, KAPPA_BUILD);
         let vertices = in_wake_order(surface, &hierarchy);
-        (PatchMesh { id, cells: ground.cells, vertices, facts }, hierarchy.faults)
+        (PatchMesh { id: grid.id, cells: ground.cells, vertices, facts }, hierarchy.faults)
     }
 
     /// Number of vertices that never collapse.
