@@ -7,7 +7,7 @@ use terrane_heightfield::import::MOST_SAMPLES;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::Face;
 use terrane_planet::store::record::{seal, RecordWriter};
-use terrane_planet::store::{geometry, imagery, RecordError};
+use terrane_planet::store::{geometry, imagery, surroundings, RecordError};
 
 /// Every reader of heightfields keeps its word about what it returns.
 fn heightfield(bytes: &[u8], name: &str) {
@@ -113,6 +113,17 @@ pub fn imagery(bytes: &[u8]) {
     for record in records(bytes, imagery::MAGIC, 0, &[texels; 6]) {
         if let Ok(texture) = decode(&record) {
             same_again(texture, |texture| imagery::encode(texture, id, cells), |record| decode(record).ok());
+        }
+    }
+}
+
+pub fn surroundings(bytes: &[u8]) {
+    let Some((id, cells)) = patch() else { return };
+    let samples = terrane_planet::ground::surroundings::surroundings_side(cells).pow(2);
+    let decode = |record: &[u8]| surroundings::decode(record, id, cells);
+    for record in records(bytes, surroundings::MAGIC, 0, &[4 * samples]) {
+        if let Ok(heights) = decode(&record) {
+            same_again(heights, |heights| surroundings::encode(heights, id, cells), |record| decode(record).ok());
         }
     }
 }

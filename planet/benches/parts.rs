@@ -11,7 +11,8 @@ use std::hint::black_box;
 use std::time::Instant;
 use terrane_planet::globe::patch::{PatchId, Side};
 use terrane_planet::globe::sphere::direction_at;
-use terrane_planet::ground::horizon::{HorizonMap, WideGrids};
+use terrane_planet::ground::horizon::HorizonMap;
+use terrane_planet::ground::surroundings::{KnownSurroundings, Surroundings};
 use terrane_planet::ground::texture::PatchTexture;
 use terrane_planet::ground::{Ground, HeightGrid, KeptHeights};
 use terrane_planet::mesh::border::BorderLine;
@@ -25,8 +26,8 @@ use terrane_planet::planet::Planet;
 /// Best of so many.
 const RUNS: usize = 7;
 
-const PARTS: [&str; 8] =
-    ["heights", "surface", "border rules", "child wake", "collapses", "texture", "whole patch", "horizon map"];
+const PARTS: [&str; 9] =
+    ["heights", "surface", "border rules", "child wake", "collapses", "texture", "whole patch", "surroundings", "horizon map"];
 
 /// Milliseconds of the best run of a part of a patch; what it takes is prepared by `given`, which does not count.
 fn best_of<G, T>(mut given: impl FnMut() -> G, mut work: impl FnMut(G) -> T) -> f64 {
@@ -60,14 +61,14 @@ fn parts(planet: &Planet, id: PatchId, beside_parent: bool) -> [f64; PARTS.len()
     let rules = || BorderRules::new(&ground, &grid, KAPPA_BUILD);
     let child_wake = |()| Side::ALL.map(|side| BorderLine::of_side(id, side).child_wake(&ground, &grid, id.level, KAPPA_BUILD));
     let sun = direction_at(5.0, 60.0);
-    let ancestors = || {
-        let (grids, kept) = (WideGrids::default(), kept());
-        id.parent().map(|parent| HorizonMap::new(&ground, &grids, parent, sun));
+    let beside_own = || {
+        let kept = kept();
         if beside_parent {
             kept.keep(&grid);
         }
-        (grids, kept)
+        kept
     };
+    let known = KnownSurroundings::default();
     [
         best_of(kept, |kept| HeightGrid::sample(&beside(planet, Some(&kept)), id)),
         best_of(|| (), |()| Surface::new(&ground, &grid)),
@@ -76,7 +77,8 @@ fn parts(planet: &Planet, id: PatchId, beside_parent: bool) -> [f64; PARTS.len()
         best_of(rules, |rules| build(&surface, rules, KAPPA_BUILD)),
         best_of(|| (), |()| PatchTexture::new(&ground, &planet.terrain, id, &grid)),
         best_of(kept, |kept| build_patch(&beside(planet, Some(&kept)), &planet.terrain, id)),
-        best_of(ancestors, |(grids, kept)| HorizonMap::new(&beside(planet, Some(&kept)), &grids, id, sun)),
+        best_of(beside_own, |kept| Surroundings::sample(&beside(planet, Some(&kept)), id)),
+        best_of(|| (), |()| HorizonMap::new(&ground, id, sun, &mut known.sampled(&ground))),
     ]
 }
 

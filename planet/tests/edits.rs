@@ -230,7 +230,7 @@ fn whoever_opened_the_file_before_an_edit_is_refused() {
     assert!(matches!(reader.index(), Err(StoreError::Changed { .. })));
     let (mesh, texture, _) = old_planet.build(PatchId::containing(DVec3::X, 5));
     let stale = BakedPatch::new(&mesh, &texture).unwrap();
-    assert!(matches!(keeper.cache(std::slice::from_ref(&stale), &[], 1, u64::MAX), Err(StoreError::Changed { .. })));
+    assert!(matches!(keeper.cache(std::slice::from_ref(&stale), &[], &[], 1, u64::MAX), Err(StoreError::Changed { .. })));
     assert!(matches!(keeper.put(&[stale]), Err(StoreError::Changed { .. })));
     let error = PlanetFile::create_or_resume(file.path(), &old_planet.header()).unwrap_err();
     assert!(matches!(error, StoreError::Edited { .. }), "{error}");
@@ -246,7 +246,7 @@ fn an_edit_removes_cached_patches_of_the_old_ground() {
         let (mesh, texture, _) = planet.build(id);
         BakedPatch::new(&mesh, &texture).unwrap()
     });
-    file.cache(&cached, &[], 1, u64::MAX).unwrap();
+    file.cache(&cached, &[], &[], 1, u64::MAX).unwrap();
     make(&mut file, edit_at(DVec3::X, 900.0, CRATER));
     assert_eq!([near, far].map(|id| file.contains(id).unwrap()), [false, true]);
     let left: u64 = [&cached[1].geometry, &cached[1].texture].iter().map(|b| b.len() as u64).sum();

@@ -52,6 +52,11 @@ fn imagery_seeds_do_not_panic() {
     run("imagery", targets::imagery);
 }
 
+#[test]
+fn surroundings_seeds_do_not_panic() {
+    run("surroundings", targets::surroundings);
+}
+
 /// Checksums and versions would stop old records at the door: what the seeds are for is behind it.
 #[test]
 fn records_among_the_seeds_reach_the_decoders() {

@@ -6,7 +6,8 @@ use glam::DVec3;
 use std::path::Path;
 use terrane_planet::globe::patch::{PatchId, Side};
 use terrane_planet::globe::sphere::{direction, direction_at};
-use terrane_planet::ground::horizon::{HorizonMap, WideGrids};
+use terrane_planet::ground::horizon::HorizonMap;
+use terrane_planet::ground::surroundings::KnownSurroundings;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 
@@ -44,11 +45,11 @@ const CRATERED: [f64; 2] = [-20.0, -60.0];
 
 /// Differences of maps from brute force over patches of a planet, sorted. The maps are made for a sun that is turned by `turn` radians.
 fn differences(planet: &Planet, turn: f64) -> Vec<f64> {
-    let (grids, mut differences) = (WideGrids::default(), Vec::new());
+    let (ground, known, mut differences) = (planet.ground(), KnownSurroundings::default(), Vec::new());
     for (k, level) in [6u8, 9, 12].into_iter().enumerate() {
         let id = PatchId::containing(direction_at(CRATERED[0], CRATERED[1]), level);
         let azimuth = 1.0 + k as f64;
-        let map = HorizonMap::new(&planet.ground(), &grids, id, low_sun(id.centre(), azimuth + turn));
+        let map = HorizonMap::new(&ground, id, low_sun(id.centre(), azimuth + turn), &mut known.sampled(&ground));
         let sun = low_sun(id.centre(), azimuth);
         let cell = std::f64::consts::FRAC_PI_2 / f64::from(CELLS << level);
         for (x, y) in (0..=CELLS as i32).step_by(7).flat_map(|y| (0..=CELLS as i32).step_by(7).map(move |x| (x, y))) {
@@ -76,7 +77,7 @@ fn horizon_angles_agree_with_brute_force() {
 #[test]
 fn neighbours_agree_where_they_meet() {
     let planet = planet("terra");
-    let (ground, grids) = (planet.ground(), WideGrids::default());
+    let (ground, known) = (planet.ground(), KnownSurroundings::default());
     let row = CELLS as usize + 1;
     for level in [3u8, 8, 13] {
         let id = PatchId::containing(direction_at(36.62, 106.05), level);
@@ -88,7 +89,7 @@ fn neighbours_agree_where_they_meet() {
         };
         assert!(Side::ALL.iter().any(|&side| id.neighbour(side) == other));
         let sun = low_sun(id.centre(), 0.7);
-        let [a, b] = [id, other].map(|id| HorizonMap::new(&ground, &grids, id, sun));
+        let [a, b] = [id, other].map(|id| HorizonMap::new(&ground, id, sun, &mut known.sampled(&ground)));
         for y in 0..row {
             for (a, b) in [(&a.horizon, &b.horizon), (&a.sky, &b.sky)] {
                 let (a, b) = (a[y * row + own], b[y * row + its]);
@@ -108,7 +109,8 @@ fn flat_ground_casts_no_shadow_on_itself() {
     let planet = Planet::from_recipe(recipe, CELLS).unwrap();
     for level in [0u8, 4, 15] {
         let id = PatchId::containing(DVec3::new(0.3, 0.8, 0.4), level);
-        let map = HorizonMap::new(&planet.ground(), &WideGrids::default(), id, low_sun(id.centre(), 2.0));
+        let (ground, known) = (planet.ground(), KnownSurroundings::default());
+        let map = HorizonMap::new(&ground, id, low_sun(id.centre(), 2.0), &mut known.sampled(&ground));
         assert!(map.horizon.iter().all(|&h| (-0.02..=1e-4).contains(&h)), "level {level}");
         assert!(map.sky.iter().all(|&sky| sky > 0.999), "level {level}");
     }

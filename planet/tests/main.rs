@@ -17,6 +17,7 @@ mod heightmaps;
 mod horizon;
 mod in_sight;
 mod independence;
+mod kept_by_a_file;
 mod motion;
 mod partial_patches;
 mod positions;

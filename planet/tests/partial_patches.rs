@@ -63,7 +63,7 @@ fn ids() -> Vec<PatchId> {
 }
 
 fn cache(file: &mut PlanetFile, patches: &[BakedPatch], now: i64) {
-    file.cache(patches, &[], now, u64::MAX).unwrap();
+    file.cache(patches, &[], &[], now, u64::MAX).unwrap();
 }
 
 fn bytes_of(patch: &BakedPatch) -> u64 {
@@ -148,7 +148,7 @@ fn a_bake_completes_what_was_surveyed_and_keeps_it() {
     cache(&mut file, &[site.surveyed(ids[0]), site.textured(ids[1]), site.whole(ids[2])], 1);
     let summary = site.bake(&mut file, 2);
     assert_eq!((summary.planned, summary.skipped, summary.built), (126, 1, 125));
-    file.cache(&[], &[], 2, 0).unwrap();
+    file.cache(&[], &[], &[], 2, 0).unwrap();
     assert_eq!((file.cached_bytes().unwrap(), file.ids().unwrap().len()), (0, 126));
     assert!(ids[..3].iter().all(|&id| file.mesh(id).unwrap() == site.planet.build(id).0));
     // What is there to stay is not cached by a later flight.
@@ -162,7 +162,7 @@ fn parts_of_patches_are_not_kept_as_patches() {
     let mut file = site.open();
     cache(&mut file, &[site.surveyed(ids[0]), site.whole(ids[1])], 1);
     file.keep(&ids[..3]).unwrap();
-    file.cache(&[], &[], 2, 0).unwrap();
+    file.cache(&[], &[], &[], 2, 0).unwrap();
     assert_eq!([0, 1, 2].map(|k| file.facts(ids[k]).unwrap().is_some()), [false, true, false]);
 }
 
@@ -174,10 +174,10 @@ fn a_full_cache_lets_go_of_parts_too() {
     cache(&mut file, &patches, 1);
     // Completed, so used last.
     cache(&mut file, &[site.textured(ids[3])], 2);
-    file.cache(&[], &ids[..1], 3, 256 + bytes_of(&site.textured(ids[3]))).unwrap();
+    file.cache(&[], &[], &ids[..1], 3, 256 + bytes_of(&site.textured(ids[3]))).unwrap();
     assert_eq!([0, 1, 2, 3].map(|k| file.facts(ids[k]).unwrap().is_some()), [true, false, false, true]);
     assert_eq!(PlanetFile::open(&site.path()).unwrap().index().unwrap().len(), 2);
-    file.cache(&[], &[], 4, 0).unwrap();
+    file.cache(&[], &[], &[], 4, 0).unwrap();
     assert_eq!(file.index().unwrap(), []);
 }
 
@@ -252,10 +252,10 @@ fn damage_to_a_partial_row_is_noticed_and_never_put_right_by_completing_it() {
     assert_eq!(read_all(&site.path()).unwrap(), sound);
 }
 
-/// Format 5 has had rows without parts from its start; to readers of records, no bytes were never a patch.
+/// Formats from 5 on have rows without parts from its start; to readers of records, no bytes were never a patch.
 #[test]
 fn no_bytes_are_no_record() {
-    assert_eq!((FORMAT_VERSION, RECORD_VERSION), (5, 2));
+    assert_eq!((FORMAT_VERSION, RECORD_VERSION), (6, 2));
     let id = ids()[0];
     assert!(matches!(geometry::decode(&[], id, CELLS), Err(RecordError::Short { found: 0, .. })));
     assert!(matches!(imagery::decode(&[], id, CELLS), Err(RecordError::Short { found: 0, .. })));

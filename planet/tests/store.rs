@@ -90,20 +90,20 @@ fn a_full_cache_keeps_baked_patches_and_what_was_used_last() {
     };
     let patches: Vec<BakedPatch> = ids[..8].iter().map(|&id| build(id)).collect();
     let bytes = |patches: &[BakedPatch]| patches.iter().map(|p| (p.geometry.len() + p.texture.len()) as u64).sum::<u64>();
-    file.cache(&patches[..4], &[], 1, u64::MAX).unwrap();
-    file.cache(&patches[4..], &ids[..2], 2, u64::MAX).unwrap();
+    file.cache(&patches[..4], &[], &[], 1, u64::MAX).unwrap();
+    file.cache(&patches[4..], &[], &ids[..2], 2, u64::MAX).unwrap();
     assert_eq!(file.cached_bytes().unwrap(), bytes(&patches));
     // A bake makes one of them stay.
     file.keep(&ids[2..3]).unwrap();
     let budget = bytes(&patches) - bytes(&patches[2..4]);
-    file.cache(&[], &[], 3, budget).unwrap();
+    file.cache(&[], &[], &[], 3, budget).unwrap();
     let there = |k: usize| file.contains(ids[k]).unwrap();
     assert_eq!((0..8).filter(|&k| !there(k)).collect::<Vec<_>>(), [3], "only what was unused for longest goes");
     assert_eq!(file.cached_bytes().unwrap(), budget);
     // The index still agrees with the stored count of patches, and the patches are those that a bake makes.
     assert_eq!(PlanetFile::open(&path).unwrap().index().unwrap().len(), 6 + 7);
     assert!(file.mesh(ids[0]).unwrap() == planet.build(ids[0]).0);
-    file.cache(&[], &[], 4, 0).unwrap();
+    file.cache(&[], &[], &[], 4, 0).unwrap();
     let index = PlanetFile::open(&path).unwrap().index().unwrap();
     assert_eq!(index.iter().filter(|r| r.id.level > 0).map(|r| r.id).collect::<Vec<_>>(), ids[2..3]);
 }

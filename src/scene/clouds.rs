@@ -2,8 +2,7 @@
 
 use crate::vulkan::{vk, Context, Image, ImageDescription, Resource, Result, Sampler, SamplerDescription, Upload};
 use std::sync::Arc;
-use terrane_planet::maps::clouds::{cloud_detail, cloud_map, CloudLevel, CLOUD_SIDE, DETAIL_SIDE};
-use terrane_planet::recipe::Recipe;
+use terrane_planet::maps::clouds::{cloud_detail, cloud_levels, CloudLevel, CLOUD_SIDE, DETAIL_SIDE};
 
 /// Bytes staged at a time.
 const CHUNK: u64 = 8 << 20;
@@ -17,15 +16,12 @@ pub struct CloudMaps {
 }
 
 impl CloudMaps {
-    /// Computes and uploads the maps; none for scenes that are not `drawn`, only measured.
-    pub(super) fn new(context: &Arc<Context>, recipe: &Recipe, drawn: bool) -> Result<CloudMaps> {
-        let empty = || vec![vec![[0.0f32]]];
-        let clouds = recipe.clouds.as_ref().filter(|_| drawn);
-        let (levels, detail) = match clouds {
-            Some(clouds) => (cloud_map(recipe, clouds, CLOUD_SIDE), cloud_detail(recipe.seed)),
-            None => (empty(), empty()),
+    /// Uploads the `map` of a recipe's clouds, if there is one, and computes what is finer.
+    pub(super) fn new(context: &Arc<Context>, seed: u64, map: Option<CloudLevel>) -> Result<CloudMaps> {
+        let (levels, detail, side, detail_side) = match map {
+            Some(map) => (cloud_levels(map, CLOUD_SIDE), cloud_detail(seed), CLOUD_SIDE, DETAIL_SIDE),
+            None => (vec![vec![0]], vec![vec![[0.0]]], 1, 1),
         };
-        let (side, detail_side) = if clouds.is_some() { (CLOUD_SIDE, DETAIL_SIDE) } else { (1, 1) };
         let image = |name, side: usize, format| {
             let plain = ImageDescription::new(name, (side as u32, side as u32), format, vk::ImageUsageFlags::SAMPLED);
             Image::new(context, &ImageDescription { mips: side.ilog2() + 1, ..plain })
@@ -33,8 +29,13 @@ impl CloudMaps {
         let map = image("clouds", side, vk::Format::R8_UNORM)?;
         let tile = image("cloud detail", detail_side, vk::Format::R16_SFLOAT)?;
         let mut upload = Upload::new(context, CHUNK);
-        stage(&mut upload, &map, &levels, |&[x]| (x * 255.0).round() as u8)?;
-        stage(&mut upload, &tile, &detail, |&[x]| half::f16::from_f32(x).to_bits())?;
+        for (mip, texels) in levels.iter().enumerate() {
+            upload.image(&map, 0, mip as u32, texels)?;
+        }
+        for (mip, texels) in detail.iter().enumerate() {
+            let halves: Vec<u16> = texels.iter().map(|&[x]| half::f16::from_f32(x).to_bits()).collect();
+            upload.image(&tile, 0, mip as u32, &halves)?;
+        }
         upload.finish()?;
         let repeat = SamplerDescription { address: vk::SamplerAddressMode::REPEAT, ..SamplerDescription::default() };
         let (clamp, repeat) =
@@ -49,16 +50,4 @@ impl CloudMaps {
             ("cloud_detail", Resource::Sampled(self.detail.view(), &self.repeat)),
         ]
     }
-}
-
-fn stage<T: bytemuck::NoUninit>(
-    upload: &mut Upload,
-    image: &Image,
-    levels: &[CloudLevel],
-    encode: impl Fn(&[f32; 1]) -> T,
-) -> Result<()> {
-    for (mip, texels) in levels.iter().enumerate() {
-        upload.image(image, 0, mip as u32, &texels.iter().map(&encode).collect::<Vec<_>>())?;
-    }
-    Ok(())
 }

@@ -6,10 +6,12 @@ use std::sync::mpsc::{sync_channel, Receiver, RecvTimeoutError, SyncSender};
 use std::thread::JoinHandle;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 use terrane_planet::globe::patch::PatchId;
+use terrane_planet::maps::clouds::{CloudLevel, CLOUD_SIDE};
+use terrane_planet::store::surroundings::SurroundingsRecord;
 use terrane_planet::store::{BakedPatch, PlanetFile, PlanetHeader, StoreError};
 
-/// Patches waiting to be written, of some 250 kB each.
-const WAITING: usize = 64;
+/// Patches, or heights around patches, waiting to be written, of some 100 kB each.
+const WAITING: usize = 192;
 
 /// Patches a transaction.
 const BATCH: usize = 16;
@@ -28,6 +30,8 @@ pub struct CacheOptions {
 
 enum Note {
     Built(Box<BakedPatch>),
+    Around(SurroundingsRecord),
+    Clouds(CloudLevel),
     Used(PatchId),
 }
 
@@ -40,6 +44,16 @@ impl KeeperHandle {
     pub(super) fn built(&self, patch: BakedPatch) {
         // A full queue or a keeper that gave up: the patch is not kept, that is all.
         let _ = self.0.try_send(Note::Built(Box::new(patch)));
+    }
+
+    /// The surroundings of a patch were sampled.
+    pub(super) fn sampled(&self, record: SurroundingsRecord) {
+        let _ = self.0.try_send(Note::Around(record));
+    }
+
+    /// The map of the planet's clouds was computed.
+    pub(super) fn computed(&self, clouds: CloudLevel) {
+        let _ = self.0.try_send(Note::Clouds(clouds));
     }
 
     /// A stored patch was used.
@@ -108,7 +122,7 @@ impl Drop for Keeper {
 /// Opens a file that can really be written: SQLite opens others too, and refuses only the first change.
 fn writable(path: &Path, header: &PlanetHeader) -> Result<PlanetFile, StoreError> {
     let mut file = PlanetFile::create_or_resume(path, header)?;
-    file.cache(&[], &[], 0, u64::MAX)?;
+    file.cache(&[], &[], &[], 0, u64::MAX)?;
     Ok(file)
 }
 
@@ -120,25 +134,32 @@ fn side_name(header: &PlanetHeader) -> String {
 }
 
 fn keep(mut file: PlanetFile, notes: &Receiver<Note>, budget: u64) {
-    let (mut built, mut used) = (Vec::new(), Vec::new());
+    let (mut built, mut around, mut used) = (Vec::new(), Vec::new(), Vec::new());
     loop {
         let note = notes.recv_timeout(BATCH_TIME);
         let ended = matches!(note, Err(RecvTimeoutError::Disconnected));
         let idle = note.is_err();
         match note {
             Ok(Note::Built(patch)) => built.push(*patch),
+            Ok(Note::Around(record)) => around.push(record),
             Ok(Note::Used(id)) => used.push(id),
+            Ok(Note::Clouds(map)) => {
+                if let Err(error) = file.keep_cloud_map(&map, CLOUD_SIDE) {
+                    tracing::warn!(%error, "the map of clouds is not kept");
+                }
+            }
             Err(_) => {}
         }
-        let full = built.len() >= BATCH || used.len() >= 64 * BATCH;
-        if (full || idle) && !(built.is_empty() && used.is_empty()) {
+        let full = built.len() >= BATCH || around.len() >= 4 * BATCH || used.len() >= 64 * BATCH;
+        if (full || idle) && !(built.is_empty() && around.is_empty() && used.is_empty()) {
             let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs() as i64);
-            if let Err(error) = file.cache(&built, &used, now, budget) {
+            if let Err(error) = file.cache(&built, &around, &used, now, budget) {
                 // A full disk or a lock held for long: the flight goes on without a cache.
                 tracing::warn!(%error, "patches built while flying are no longer kept");
                 return;
             }
             built.clear();
+            around.clear();
             used.clear();
         }
         if ended {

@@ -36,7 +36,8 @@ use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
 use terrane_planet::globe::patch::{PatchId, MIN_CELLS};
-use terrane_planet::ground::horizon::WideGrids;
+use terrane_planet::ground::surroundings::KnownSurroundings;
+use terrane_planet::maps::clouds::{cloud_map, CloudLevel, CLOUD_SIDE};
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::query::KnownGround;
 use terrane_planet::store::{PatchRecord, PlanetFile, StoreError};
@@ -146,7 +147,7 @@ impl Scene {
         let (cells, slots) = if options.textures { (planet.cells, capacity) } else { (MIN_CELLS, 1) };
         let textures = TexturePool::new(context, cells, slots)?;
         let tally = Arc::new(Tally::default());
-        let (grids, sun) = (Arc::new(WideGrids::default()), Arc::new(RwLock::new(Sun::default())));
+        let (around, sun) = (Arc::new(KnownSurroundings::default()), Arc::new(RwLock::new(Sun::default())));
         let loader = Loader::new(under_way, || {
             let mut files = vec![PlanetFile::open(path)?];
             if let Some(side) = keeper.as_ref().and_then(|k| k.side.as_ref()) {
@@ -161,14 +162,16 @@ impl Scene {
                 tree: tree.emptied(),
                 keeper: keeper.as_ref().and_then(Keeper::handle),
                 tally: tally.clone(),
-                grids: grids.clone(),
+                around: around.clone(),
                 sun: sun.clone(),
             })
         })?;
         // The workers read the first patches while the clouds are made.
         let whole = Parts { mesh: true, texture: options.textures };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(whole), 0.0)).collect());
-        let clouds = CloudMaps::new(context, &planet.recipe, options.textures)?;
+        let side = keeper.as_ref().and_then(|keeper| keeper.side.as_deref()).map(PlanetFile::open).transpose()?;
+        let map = if options.textures { clouds(&planet, [Some(&file), side.as_ref()], keeper.as_ref()) } else { None };
+        let clouds = CloudMaps::new(context, planet.recipe.seed, map)?;
         let mut scene = Scene {
             context: context.clone(),
             ground: DrawnGround::new(KnownGround::new(planet.lattice, planet.cells)),
@@ -429,4 +432,21 @@ impl Scene {
         }
         true
     }
+}
+
+/// The map of a planet's clouds, if it has any: from a file that holds it, or computed.
+fn clouds(planet: &Planet, files: [Option<&PlanetFile>; 2], keeper: Option<&Keeper>) -> Option<CloudLevel> {
+    let clouds = planet.recipe.clouds.as_ref()?;
+    for file in files.into_iter().flatten() {
+        match file.cloud_map(CLOUD_SIDE) {
+            Ok(Some(map)) => return Some(map),
+            Ok(None) => {}
+            Err(error) => tracing::warn!(%error, "the map of clouds is computed again"),
+        }
+    }
+    let map = cloud_map(&planet.recipe, clouds, CLOUD_SIDE);
+    if let Some(keeper) = keeper.and_then(Keeper::handle) {
+        keeper.computed(map.clone());
+    }
+    Some(map)
 }

@@ -14,12 +14,15 @@ use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::patch::PatchId;
-use terrane_planet::ground::horizon::{HorizonMap, WideGrids};
+use terrane_planet::ground::horizon::HorizonMap;
+use terrane_planet::ground::surroundings::{sample_surroundings, KnownSurroundings, Surroundings};
 use terrane_planet::ground::texture::PatchTexture;
+use terrane_planet::ground::Ground;
 use terrane_planet::mesh::progressive::{PatchFacts, PatchMesh};
 use terrane_planet::mesh::survey::Survey;
 use terrane_planet::planet::Planet;
 use terrane_planet::query::PatchGrid;
+use terrane_planet::store::surroundings;
 use terrane_planet::store::{BakedPatch, PlanetFile, StoreError};
 
 /// How patches were come by, since the scene was opened.
@@ -58,7 +61,7 @@ pub(super) struct Source {
     /// How the planet's patches split; none of them is in it.
     pub(super) tree: PatchTree,
     /// Heights around patches, shared by all workers.
-    pub(super) grids: Arc<WideGrids>,
+    pub(super) around: Arc<KnownSurroundings>,
     /// Where the sun stands.
     pub(super) sun: Arc<RwLock<Sun>>,
     /// Takes what was built, to keep it.
@@ -166,11 +169,32 @@ impl Source {
     pub(super) fn relief(&self, id: PatchId) -> Relief {
         let sun = *self.sun.read().unwrap_or_else(PoisonError::into_inner);
         let direction = sun.direction.unwrap_or_else(|| id.centre());
-        let mut map = HorizonMap::new(&self.planet.ground(), &self.grids, id, direction);
+        let ground = self.planet.ground();
+        let mut around = |id| self.around.get(id, || Surroundings::new(&ground, id, &self.heights_around(&ground, id)));
+        let mut map = HorizonMap::new(&ground, id, direction, &mut around);
         if sun.direction.is_none() {
             map.horizon.fill(-1.0);
         }
         Relief::new(&map, sun.number)
+    }
+
+    /// Heights around a patch, from a file or else from the terrain.
+    fn heights_around(&self, ground: &Ground, id: PatchId) -> Vec<i32> {
+        for file in &self.files {
+            match file.surroundings(id) {
+                Ok(Some(heights)) => return heights,
+                Ok(None) => {}
+                Err(error) => tracing::warn!(%error, "heights around a patch are sampled again"),
+            }
+        }
+        let heights = sample_surroundings(ground, id);
+        if let Some(keeper) = &self.keeper {
+            match surroundings::encode(&heights, id, self.planet.cells) {
+                Ok(record) => keeper.sampled((id, record)),
+                Err(reason) => tracing::warn!(patch = %id, %reason, "heights around a patch cannot be kept; please report this"),
+            }
+        }
+        heights
     }
 
     fn prepare(&self, id: PatchId, found: Found) -> Loaded {

@@ -11,7 +11,7 @@ use terrane::vulkan::Context;
 use terrane_planet::draw::layout::Mode;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::sphere::direction_at;
-use terrane_planet::maps::clouds::{cloud_map, octahedral, CloudLevel, CLOUD_EDGE, CLOUD_SIDE};
+use terrane_planet::maps::clouds::{cloud_levels, cloud_map, octahedral, CloudLevel, CLOUD_EDGE, CLOUD_SIDE};
 
 const SIZE: [u32; 2] = [96, 96];
 /// Radii of the planet and of its clouds in metres.
@@ -62,7 +62,7 @@ fn around(level: &CloudLevel, side: usize, direction: DVec3) -> [f32; 2] {
     let [x, y] = octahedral(direction).map(|c| 0.5 * (c + 1.0) * (side - 1) as f64);
     let texels = (0..=1).flat_map(|j| (0..=1).map(move |i| (x as i64 + i, y as i64 + j)));
     let inside = |k: i64| k.clamp(0, side as i64 - 1) as usize;
-    texels.map(|(i, j)| level[inside(j) * side + inside(i)][0]).fold([1.0, 0.0], |[a, b], v| [a.min(v), b.max(v)])
+    texels.map(|(i, j)| f32::from(level[inside(j) * side + inside(i)]) / 255.0).fold([1.0, 0.0], |[a, b], v| [a.min(v), b.max(v)])
 }
 
 #[test]
@@ -70,7 +70,7 @@ fn clouds_lie_where_the_map_says() {
     let Some(context) = device() else { return };
     let mut sky = Sky::new(&context);
     let recipe = &sky.scene.shared_planet().recipe;
-    let map = cloud_map(recipe, recipe.clouds.as_ref().unwrap(), CLOUD_SIDE);
+    let map = cloud_levels(cloud_map(recipe, recipe.clouds.as_ref().unwrap(), CLOUD_SIDE), CLOUD_SIDE);
     // Corners, edges and sides of the octahedron.
     let directions =
         [DVec3::Z, -DVec3::Z, DVec3::X, -DVec3::Y, DVec3::new(1.0, -1.0, 0.0), DVec3::new(-1.0, 0.4, -0.8), DVec3::ONE];

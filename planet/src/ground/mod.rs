@@ -2,6 +2,7 @@
 
 pub mod horizon;
 mod kept;
+pub mod surroundings;
 pub mod texture;
 
 pub use kept::{KeptHeights, SampledHeights};

@@ -1,8 +1,8 @@
 //! A sheet of cloud over a planet: how much cloud there is in every direction, and a tile of finer detail.
 //!
-//! In: the recipe's `[clouds]` and its seed. Out: mip levels of a map of all directions and of a tile. Fractal noise, pushed about by slower noise and
+//! In: the recipe's `[clouds]` and its seed. Out: a map of all directions, and mip levels of it and of a tile. Fractal noise, pushed about by slower noise and
 //! wound up around storms of the middle latitudes; wet belts along the equator and the storm tracks, dry ones between (Hadley
-//! circulation). Nothing here is part of a planet file.
+//! circulation). A planet file keeps the map once it was computed.
 
 use super::mip;
 use crate::globe::random::Random;
@@ -42,8 +42,8 @@ const STORM_COVER: f32 = 0.05;
 /// Sine of the latitude, and what is added to the cover there.
 const BELTS: [(f32, f32); 7] = [(0.0, 0.09), (0.1, 0.05), (0.28, -0.09), (0.45, -0.08), (0.68, 0.06), (0.86, 0.07), (1.0, -0.02)];
 
-/// A level of a map, row by row.
-pub type CloudLevel = Vec<[f32; 1]>;
+/// A level of the map, row by row: shares of 255.
+pub type CloudLevel = Vec<u8>;
 
 /// A storm: where, how wide, and how far it winds its middle up.
 struct Storm {
@@ -59,25 +59,40 @@ struct Weather {
     storms: Vec<Storm>,
 }
 
-/// Mip levels of the map, an octahedron unfolded into a square (Cigolle et al. 2014) of `side` texels (a power of two): 0 to 1, cloud
+/// The map, an octahedron unfolded into a square (Cigolle et al. 2014) of `side` texels (a power of two): 0 to 1, cloud
 /// above [`CLOUD_EDGE`], over about the recipe's share of the planet. The outermost texels lie on the octahedron's edges, and are the
 /// same on both sides of them.
-pub fn cloud_map(recipe: &Recipe, clouds: &Clouds, side: usize) -> Vec<CloudLevel> {
+pub fn cloud_map(recipe: &Recipe, clouds: &Clouds, side: usize) -> CloudLevel {
     let weather = Weather::new(recipe);
-    let mut texels: Vec<f32> = (0..side).into_par_iter().flat_map_iter(|row| weather.row(row, side)).collect();
+    let texels: Vec<f32> = (0..side).into_par_iter().flat_map_iter(|row| weather.row(row, side)).collect();
     let mut sorted = texels.clone();
     let clear = ((1.0 - clouds.cover) * (sorted.len() - 1) as f64) as usize;
     let (_, &mut edge, _) = sorted.select_nth_unstable_by(clear, f32::total_cmp);
-    texels.iter_mut().for_each(|x| *x = (CLOUD_EDGE + CONTRAST * (*x - edge)).clamp(0.0, 1.0));
-    let mut levels = mip::levels(texels.into_iter().map(|x| [x]).collect(), side);
-    for (power, level) in levels.iter_mut().enumerate() {
-        share_edges(level, side >> power);
+    let code = |x: f32| ((CLOUD_EDGE + CONTRAST * (x - edge)).clamp(0.0, 1.0) * 255.0).round() as u8;
+    let mut texels: CloudLevel = texels.into_iter().map(code).collect();
+    share_edges(&mut texels, side);
+    texels
+}
+
+/// Mip levels of the map, from `finest` down to one texel.
+pub fn cloud_levels(finest: CloudLevel, side: usize) -> Vec<CloudLevel> {
+    let mut levels = vec![finest];
+    for power in (1..=side.ilog2()).rev() {
+        let (finer, half) = (&levels[levels.len() - 1], 1 << (power - 1));
+        let mean = |k: usize| {
+            let at = 2 * (k / half) * 2 * half + 2 * (k % half);
+            let four = [at, at + 1, at + 2 * half, at + 2 * half + 1].map(|at| u32::from(finer[at]));
+            ((four.iter().sum::<u32>() + 2) / 4) as u8
+        };
+        let mut level: CloudLevel = (0..half * half).map(mean).collect();
+        share_edges(&mut level, half);
+        levels.push(level);
     }
     levels
 }
 
 /// Gives texels that lie on the same point of the octahedron the same value.
-fn share_edges(level: &mut CloudLevel, side: usize) {
+fn share_edges(level: &mut [u8], side: usize) {
     let last = side - 1;
     for k in 0..side / 2 {
         for [a, b] in [
@@ -86,14 +101,14 @@ fn share_edges(level: &mut CloudLevel, side: usize) {
             [k * side, (last - k) * side],
             [k * side + last, (last - k) * side + last],
         ] {
-            let mean = 0.5 * (level[a][0] + level[b][0]);
-            (level[a], level[b]) = ([mean], [mean]);
+            let mean = level[a].midpoint(level[b]);
+            (level[a], level[b]) = (mean, mean);
         }
     }
 }
 
 /// Mip levels of the tile of detail: heaps with creases between them, a mean of 0 and a mean square of 1.
-pub fn cloud_detail(seed: u64) -> Vec<CloudLevel> {
+pub fn cloud_detail(seed: u64) -> Vec<Vec<[f32; 1]>> {
     let mut heights = vec![[0.0f32]; DETAIL_SIDE * DETAIL_SIDE];
     let mut gain = 1.0;
     for cells in [6, 13, 27, 55] {
@@ -226,13 +241,13 @@ mod tests {
     fn map(cover: f64) -> Vec<CloudLevel> {
         let text = format!("{}\n[clouds]\ncover = {cover}\n", include_str!("../../recipes/tiny.toml"));
         let recipe = Recipe::from_toml(&text, "tiny.toml", Path::new("")).unwrap();
-        cloud_map(&recipe, &recipe.clouds.clone().unwrap(), 128)
+        cloud_levels(cloud_map(&recipe, &recipe.clouds.clone().unwrap(), 128), 128)
     }
 
     #[test]
     fn clouds_cover_the_share_that_the_recipe_says() {
         for cover in [0.2, 0.6] {
-            let covered = map(cover)[0].iter().filter(|x| x[0] > CLOUD_EDGE).count();
+            let covered = map(cover)[0].iter().filter(|&&x| f32::from(x) > 255.0 * CLOUD_EDGE).count();
             assert!((covered as f64 / (128 * 128) as f64 - cover).abs() < 0.01);
         }
     }

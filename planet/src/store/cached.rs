@@ -2,15 +2,17 @@
 
 use super::baked::PatchRecord;
 use super::rows::{self, Changed};
+use super::surroundings;
 use crate::globe::patch::PatchId;
 use rusqlite::{params, Connection};
 
 /// Bytes that a row takes at least, whatever it lacks: its facts, its keys and its place in the tree.
 const ROW_BYTES: i64 = 256;
 
-/// Bytes that a row is counted as.
-fn bytes_of(record: &PatchRecord) -> i64 {
-    (i64::from(record.geometry_bytes) + i64::from(record.texture_bytes)).max(ROW_BYTES)
+/// Bytes that a patch is counted as.
+fn bytes_of(connection: &Connection, record: &PatchRecord) -> rusqlite::Result<i64> {
+    let parts = (i64::from(record.geometry_bytes) + i64::from(record.texture_bytes)).max(ROW_BYTES);
+    Ok(parts + surroundings::bytes(connection, rows::key(record.id))?)
 }
 
 /// Notes that new patches may go, and of others that may go how large they are now.
@@ -19,7 +21,7 @@ pub(super) fn add(connection: &Connection, patches: &[Changed], now: i64) -> rus
     let mut update = connection.prepare_cached("UPDATE cached SET used = ?2, bytes = ?3 WHERE key = ?1")?;
     patches.iter().try_for_each(|Changed { record, is_new }| {
         let statement = if *is_new { &mut insert } else { &mut update };
-        statement.execute(params![rows::key(record.id), now, bytes_of(record)]).map(drop)
+        statement.execute(params![rows::key(record.id), now, bytes_of(connection, record)?]).map(drop)
     })
 }
 

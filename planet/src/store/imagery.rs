@@ -66,7 +66,7 @@ fn side(cells: u32) -> Result<usize, RecordError> {
 }
 
 /// What each texel differs by from its prediction. The first row and column have one neighbour, which then stands for all three.
-fn residuals(plane: &[u8], side: usize) -> Vec<u8> {
+pub(super) fn residuals(plane: &[u8], side: usize) -> Vec<u8> {
     let mut residuals = plane.to_vec();
     for k in 1..side {
         residuals[k] = plane[k].wrapping_sub(plane[k - 1]);
@@ -82,7 +82,7 @@ fn residuals(plane: &[u8], side: usize) -> Vec<u8> {
 }
 
 /// Inverse of [`residuals`].
-fn restore(plane: &mut [u8], side: usize) {
+pub(super) fn restore(plane: &mut [u8], side: usize) {
     for k in 1..side {
         plane[k] = plane[k].wrapping_add(plane[k - 1]);
     }

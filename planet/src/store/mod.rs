@@ -11,6 +11,7 @@ mod facts;
 pub mod geometry;
 mod header;
 pub mod imagery;
+mod maps;
 mod pending;
 mod planet_file;
 mod predict;
@@ -18,6 +19,7 @@ pub mod record;
 mod region;
 mod rows;
 mod schema;
+pub mod surroundings;
 
 pub use baked::{BakedPatch, PatchRecord};
 pub use error::{RecordError, StoreError};

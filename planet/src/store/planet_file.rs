@@ -10,8 +10,9 @@ use super::error::{failure, RecordError, StoreError};
 use super::header;
 use super::header::PlanetHeader;
 use super::schema::check_stamp;
+use super::surroundings::SurroundingsRecord;
 use super::Region;
-use super::{cached, geometry, imagery, pending, rows};
+use super::{cached, geometry, imagery, maps, pending, rows, surroundings};
 use crate::globe::patch::PatchId;
 use crate::ground::texture::PatchTexture;
 use crate::mesh::progressive::{PatchFacts, PatchMesh};
@@ -189,6 +190,40 @@ impl PlanetFile {
             .map_err(|source| self.damaged_patch(id, "texture", source))
     }
 
+    /// Heights around a patch, as [`sample_surroundings`](crate::ground::surroundings::sample_surroundings) gives them, if the file has them.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or they are damaged.
+    pub fn surroundings(&self, id: PatchId) -> Result<Option<Vec<i32>>, StoreError> {
+        let failed = |source| failure(&self.path, "read a patch", source);
+        let query = "SELECT heights FROM surroundings, planet WHERE key = ?1 AND planet.checksum = ?2";
+        let mut statement = self.connection.prepare_cached(query).map_err(failed)?;
+        let record: Option<Vec<u8>> =
+            statement.query_row(params![rows::key(id), self.checksum], |row| row.get(0)).optional().map_err(failed)?;
+        let decode = |record: Vec<u8>| surroundings::decode(&record, id, self.header.cells);
+        record.map(decode).transpose().map_err(|source| self.damaged_patch(id, "surroundings", source))
+    }
+
+    /// The map of the planet's clouds of `side` texels a side, if the file has it.
+    ///
+    /// # Errors
+    /// If the file cannot be read, or the map is damaged.
+    pub fn cloud_map(&self, side: usize) -> Result<Option<Vec<u8>>, StoreError> {
+        let record = maps::read(&self.connection, maps::CLOUDS);
+        let record = record.map_err(|source| failure(&self.path, "read the map of clouds", source))?;
+        let decoded = record.map(|record| maps::decode(&record, side)).transpose();
+        decoded.map_err(|source| self.damaged(format!("the map of clouds: {source}")))
+    }
+
+    /// Keeps the map of the planet's clouds.
+    ///
+    /// # Errors
+    /// If the file was opened for reading, or cannot be written.
+    pub fn keep_cloud_map(&mut self, texels: &[u8], side: usize) -> Result<(), StoreError> {
+        let record = maps::encode(texels, side);
+        self.transaction("keep the map of clouds", |connection| maps::write(connection, maps::CLOUDS, &record))
+    }
+
     /// A patch's geometry record as it is stored.
     ///
     /// # Errors
@@ -236,7 +271,7 @@ impl PlanetFile {
     }
 
     /// Puts another ground in place of the file's, all or nothing: its header (of the same planet, grid and lattice); all patches that
-    /// are touched go, to be pending unless they were only cached or lacked a part; and `built` patches are back at once. Returns how many are touched.
+    /// are touched go, to be pending unless they were only cached or lacked a part; so do the surroundings of those that are `touched_around`; and `built` patches are back at once. Returns how many are touched.
     /// They are found within the transaction: a flight may add patches until it begins, and none of the ground before from then on.
     ///
     /// # Errors
@@ -245,12 +280,14 @@ impl PlanetFile {
         &mut self,
         header: &PlanetHeader,
         touched: &dyn Fn(PatchId) -> bool,
+        touched_around: &dyn Fn(PatchId) -> bool,
         built: &[BakedPatch],
     ) -> Result<usize, StoreError> {
         let mut removed = 0;
         self.transaction("edit the ground", |connection| {
             header::replace(connection, header)?;
             removed = pending::put_off(connection, touched)?;
+            surroundings::forget(connection, touched_around)?;
             rows::insert(connection, built)?;
             pending::done(connection, built.iter().filter(|p| p.record.is_whole()).map(|p| p.record.id))
         })?;
@@ -265,8 +302,17 @@ impl PlanetFile {
     /// # Errors
     /// If the file was opened for reading, or cannot be written.
     pub fn put(&mut self, patches: &[BakedPatch]) -> Result<(), StoreError> {
+        self.put_with(patches, &[])
+    }
+
+    /// [`PlanetFile::put`], and heights around patches.
+    ///
+    /// # Errors
+    /// As [`PlanetFile::put`].
+    pub fn put_with(&mut self, patches: &[BakedPatch], around: &[SurroundingsRecord]) -> Result<(), StoreError> {
         self.transaction("add patches", |connection| {
             rows::insert(connection, patches)?;
+            surroundings::insert(connection, around)?;
             cached::keep(connection, patches.iter().map(|p| p.record.id))?;
             pending::done(connection, patches.iter().filter(|p| p.record.is_whole()).map(|p| p.record.id))
         })
@@ -284,15 +330,23 @@ impl PlanetFile {
         })
     }
 
-    /// Adds patches, or parts of them, that may go again (not those of patches that stay), notes when patches were used (any count that grows), and removes those unused for longest until
+    /// Adds patches, or parts of them, that may go again (not those of patches that stay), and heights around patches of the file, notes when patches were used (any count that grows), and removes those unused for longest until
     /// all that may go hold at most `budget` bytes. All or nothing.
     ///
     /// # Errors
     /// As [`PlanetFile::put`].
-    pub fn cache(&mut self, patches: &[BakedPatch], used: &[PatchId], now: i64, budget: u64) -> Result<(), StoreError> {
+    pub fn cache(
+        &mut self,
+        patches: &[BakedPatch],
+        around: &[SurroundingsRecord],
+        used: &[PatchId],
+        now: i64,
+        budget: u64,
+    ) -> Result<(), StoreError> {
         self.transaction("cache patches", |connection| {
             let changed = rows::insert(connection, patches)?;
             cached::add(connection, &changed, now)?;
+            surroundings::insert(connection, around)?;
             cached::touch(connection, used, now)?;
             cached::evict(connection, budget)
         })

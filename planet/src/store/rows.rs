@@ -1,7 +1,7 @@
 //! Patches as rows of the patch table: keys, metadata and the checksum over both.
 
 use super::baked::{BakedPatch, PatchRecord};
-use super::facts;
+use super::{facts, surroundings};
 use crate::globe::patch::PatchId;
 use crate::globe::sphere::Face;
 use rusqlite::{params, params_from_iter, Connection, OptionalExtension, Row, ToSql};
@@ -149,7 +149,7 @@ pub(super) fn whole(connection: &Connection, ids: &[PatchId]) -> rusqlite::Resul
 pub(super) fn remove(connection: &Connection, key: i64) -> rusqlite::Result<()> {
     let mut statement = connection.prepare_cached("DELETE FROM patch WHERE key = ?1 RETURNING checksum")?;
     let combined = statement.query_row([key], |row| row.get(0))?;
-    drop(statement);
+    surroundings::remove(connection, key)?;
     count(connection, -1, combined)
 }
 

@@ -9,8 +9,9 @@ use std::path::Path;
 pub const APPLICATION_ID: u32 = 0x5445_5252;
 
 /// SQLite user version of planet files: tables, records and the builder's rules together.
-pub const FORMAT_VERSION: u32 = 5;
+pub const FORMAT_VERSION: u32 = 6;
 
+/// `surroundings` and `map` hold what could be computed again.
 /// `cached` names the patches that were built while flying and may go again; the others were baked to stay.
 ///
 /// Everything but the pragmas that stamp the file. The patch key packs face, level, column and row, so that a patch is found
@@ -31,6 +32,8 @@ CREATE TABLE patch (
     high_x INTEGER NOT NULL, high_y INTEGER NOT NULL, high_z INTEGER NOT NULL,
     lowest INTEGER NOT NULL, highest INTEGER NOT NULL, child_wake REAL NOT NULL, quarters BLOB NOT NULL,
     always_awake INTEGER NOT NULL, checksum INTEGER NOT NULL, geometry BLOB NOT NULL, texture BLOB NOT NULL);
+CREATE TABLE surroundings (key INTEGER PRIMARY KEY, heights BLOB NOT NULL);
+CREATE TABLE map (name TEXT PRIMARY KEY, texels BLOB NOT NULL);
 CREATE TABLE cached (key INTEGER PRIMARY KEY, used INTEGER NOT NULL, bytes INTEGER NOT NULL);
 INSERT INTO tally VALUES (0, 0);
 ";

@@ -8,9 +8,11 @@ mod plan;
 pub use plan::{whole_planet, BakePlan, PlanError, FUNNEL, MOST_PATCHES};
 
 use crate::globe::patch::PatchId;
+use crate::ground::surroundings::sample_surroundings;
 use crate::ground::{Elevation, Ground, GroundColour, KeptHeights};
 use crate::mesh::build_patch;
 use crate::mesh::builder::Faults;
+use crate::store::surroundings::{self, SurroundingsRecord};
 use crate::store::{BakedPatch, PlanetFile, RecordError, StoreError};
 use std::collections::HashSet;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
@@ -103,7 +105,7 @@ pub enum BakeError {
     },
 }
 
-type Outcome = Result<(BakedPatch, Faults), BakeError>;
+type Outcome = Result<(BakedPatch, SurroundingsRecord, Faults), BakeError>;
 
 /// Builds every patch of the plan that the file lacks, and those that an edit of the ground has left pending, on `threads` threads (at least one). `progress` is called on the calling
 /// thread after every patch. Setting `stop` ends the bake soon; finished patches are kept.
@@ -155,18 +157,20 @@ pub fn bake(
             });
         }
         drop(sender);
-        let mut batch = Vec::with_capacity(BATCH_PATCHES);
+        let (mut batch, mut around) = (Vec::with_capacity(BATCH_PATCHES), Vec::with_capacity(BATCH_PATCHES));
         let mut written = Instant::now();
         let outcome = receiver.iter().try_for_each(|outcome| {
-            let (patch, faults) = outcome?;
+            let (patch, surroundings, faults) = outcome?;
             summary.add(&patch, faults, vertices);
             if faults != Faults::default() {
                 tracing::warn!(patch = %patch.record.id, ?faults, "the builder broke its own rules");
             }
             batch.push(patch);
+            around.push(surroundings);
             if batch.len() >= BATCH_PATCHES || written.elapsed() >= BATCH_TIME {
-                file.put(&batch)?;
+                file.put_with(&batch, &around)?;
                 batch.clear();
+                around.clear();
                 written = Instant::now();
             }
             let elapsed = start.elapsed();
@@ -176,7 +180,7 @@ pub fn bake(
         failed.store(outcome.is_err(), Ordering::Relaxed);
         // Dropping the receiver lets workers that wait to send go home.
         drop(receiver);
-        outcome.and_then(|()| file.put(&batch).map_err(BakeError::from))
+        outcome.and_then(|()| file.put_with(&batch, &around).map_err(BakeError::from))
     });
     result?;
     summary.elapsed = start.elapsed();
@@ -187,6 +191,8 @@ pub fn bake(
 /// Builds a patch for the file.
 pub(super) fn build_and_encode(ground: &Ground, colour: &dyn GroundColour, id: PatchId) -> Outcome {
     let (mesh, texture, faults) = build_patch(ground, colour, id);
-    let patch = BakedPatch::new(&mesh, &texture).map_err(|source| BakeError::Patch { id, source })?;
-    Ok((patch, faults))
+    let refused = |source| BakeError::Patch { id, source };
+    let patch = BakedPatch::new(&mesh, &texture).map_err(refused)?;
+    let around = surroundings::encode(&sample_surroundings(ground, id), id, ground.cells).map_err(refused)?;
+    Ok((patch, (id, around), faults))
 }

@@ -11,6 +11,7 @@
 
 use crate::globe::patch::{PatchId, Side};
 use crate::globe::sphere::{direction, warp_component};
+use crate::ground::surroundings::MARGIN;
 use crate::recipe::Edit;
 use crate::terrain::edits::centre;
 use glam::DVec3;
@@ -18,6 +19,9 @@ use std::f64::consts::FRAC_PI_2;
 
 /// Width of the margin in mean cells: 2 √2 cells, the largest of which is 3 % wider than the mean, and some room for rounding.
 const MARGIN_CELLS: f64 = 3.2;
+
+/// The same of the surroundings: √2 times their margin.
+const AROUND_CELLS: f64 = 1.5 * MARGIN as f64;
 
 /// The ground within reach of one edit.
 pub(super) struct Touched {
@@ -42,6 +46,13 @@ impl Touched {
         self.is_inside(id)
             || Side::ALL.into_iter().any(|side| reached(id, side))
             || id.parent().is_some_and(|parent| parents.into_iter().any(|side| reached(parent, side)))
+    }
+
+    /// Whether the surroundings of a patch depend on it.
+    pub(super) fn touches_around(&self, id: PatchId) -> bool {
+        let cell = FRAC_PI_2 / f64::from(1u32 << id.level) / f64::from(self.cells);
+        let near = self.reach + AROUND_CELLS * cell;
+        self.is_inside(id) || Side::ALL.into_iter().any(|side| self.distance_to_side(id, side) <= near)
     }
 
     fn is_inside(&self, id: PatchId) -> bool {
