@@ -1,16 +1,18 @@
 //! The ground that a scene draws, asked for on the CPU: what cameras stay above.
 
+use super::options::Scope;
 use glam::DVec3;
 use std::collections::HashSet;
 use terrane_planet::draw::cut::Cut;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::query::KnownGround;
 
-/// Bytes of main memory that the ground of a resident patch takes at most: heights, what selection knows of its index levels, and the
-/// triangles of those that a ray came near.
-pub(super) fn bytes_of_patch(cells: u32) -> u64 {
+/// Bytes of main memory that the ground of a resident patch takes at most: heights, what selection knows of its index levels, and, where
+/// cameras move, the triangles of those that a ray came near.
+pub(super) fn bytes_of_patch(cells: u32, scope: Scope) -> u64 {
     let row = u64::from(cells) + 1;
-    24 * row * row + 16_384
+    let bytes_of_sample = if scope == Scope::Still { 6 } else { 24 };
+    bytes_of_sample * row * row + 16_384
 }
 
 /// Grids of the resident patches, and which of them are drawn.

@@ -37,6 +37,8 @@ pub(super) struct Loaded {
 /// A mesh ready for upload.
 pub(super) struct LoadedMesh {
     pub(super) patch: LoadedPatch,
+    /// The finest index level that is wanted.
+    pub(super) finest: usize,
     pub(super) grid: PatchGrid,
 }
 
@@ -51,8 +53,8 @@ pub(super) struct LoadedTexture {
 pub(super) enum Request {
     /// To find out what is known of a patch, and to load of it what the view draws.
     Explore(Arc<View>),
-    /// Parts of a patch.
-    Load(Parts),
+    /// Parts of a patch, for a view if there is one.
+    Load(Parts, Option<Arc<View>>),
     /// Only its horizon angles and ambient occlusion, for a patch whose textures are on the GPU.
     Horizon,
 }
@@ -222,7 +224,9 @@ impl Worker {
         while let Some((id, request)) = self.shared.next() {
             let response = match request {
                 Request::Explore(view) => self.source.explore(id, &view).map(|loaded| Response::Patch(Box::new(loaded))),
-                Request::Load(parts) => self.source.load(id, parts).map(|loaded| Response::Patch(Box::new(loaded))),
+                Request::Load(parts, view) => {
+                    self.source.load(id, parts, view.as_deref()).map(|loaded| Response::Patch(Box::new(loaded)))
+                }
                 Request::Horizon => Ok(Response::Horizon(id, self.source.relief(id))),
             };
             if self.sender.send((id, response)).is_err() {

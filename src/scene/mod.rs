@@ -23,7 +23,7 @@ pub use textures::TexturePool;
 use crate::vulkan::{Commands, Context, Upload, VulkanError};
 use glam::DVec3;
 use keeper::Keeper;
-use loader::{Loaded, Loader, Parts, Request, Response};
+use loader::{Loaded, LoadedMesh, Loader, Parts, Request, Response};
 use options::Budget;
 use source::{Source, Sun, Tally};
 use std::collections::HashMap;
@@ -108,6 +108,8 @@ pub struct Scene {
     tally: Arc<Tally>,
     sun: Arc<RwLock<Sun>>,
     capacity: usize,
+    mesh_bytes: u64,
+    most_mesh_bytes: u64,
     has_textures: bool,
     scope: Scope,
     frame: u64,
@@ -142,7 +144,7 @@ impl Scene {
                 PlanetFile::open(side)?.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
             }
         }
-        let Budget { capacity, under_way } =
+        let Budget { capacity, mesh_bytes: most_mesh_bytes, under_way } =
             Budget::new(&options, planet.cells, most_patches, context.limits().max_image_array_layers);
         let (cells, slots) = if options.textures { (planet.cells, capacity) } else { (MIN_CELLS, 1) };
         let textures = TexturePool::new(context, cells, slots)?;
@@ -168,7 +170,7 @@ impl Scene {
         })?;
         // The workers read the first patches while the clouds are made.
         let whole = Parts { mesh: true, texture: options.textures };
-        loader.request(PatchId::roots().map(|id| (id, Request::Load(whole), 0.0)).collect());
+        loader.request(PatchId::roots().map(|id| (id, Request::Load(whole, None), 0.0)).collect());
         let side = keeper.as_ref().and_then(|keeper| keeper.side.as_deref()).map(PlanetFile::open).transpose()?;
         let map = if options.textures { clouds(&planet, [Some(&file), side.as_ref()], keeper.as_ref()) } else { None };
         let clouds = CloudMaps::new(context, planet.recipe.seed, map)?;
@@ -185,6 +187,8 @@ impl Scene {
             tally,
             sun,
             capacity: capacity as usize,
+            mesh_bytes: 0,
+            most_mesh_bytes,
             has_textures: options.textures,
             scope: options.scope,
             frame: 0,
@@ -241,14 +245,13 @@ impl Scene {
 
     /// Bytes that the patches on the GPU take, with the whole texture arrays, and the most they may take.
     pub fn gpu_bytes(&self) -> (u64, u64) {
-        let meshes: u64 = self.resident.values().filter_map(|patch| patch.mesh.as_ref()).map(|mesh| mesh.buffer().bytes()).sum();
         let (textures, most_textures) = self.textures.bytes();
-        (meshes + textures, self.capacity as u64 * resident::bytes_of_patch(self.planet.cells) + most_textures)
+        (self.mesh_bytes + textures, self.most_mesh_bytes + most_textures)
     }
 
     /// Bytes of main memory that patches take at most while so many are on the GPU and under way, and the most they may take.
     pub fn host_bytes(&self) -> (u64, u64) {
-        let ground = drawn_ground::bytes_of_patch(self.planet.cells);
+        let ground = drawn_ground::bytes_of_patch(self.planet.cells, self.scope);
         let under_way = loader::bytes_under_way(self.planet.cells);
         let [now, most] = [(self.resident.len(), self.loader.under_way()), (self.capacity, self.loader.most_under_way)];
         let bytes = |(resident, moving): (usize, usize)| resident as u64 * ground + moving as u64 * under_way;
@@ -312,7 +315,7 @@ impl Scene {
     /// Computes the cut of a view from what is resident, and asks for what it lacks.
     pub fn choose(&mut self, view: &View) -> Cut {
         self.keep_within_budget();
-        let drawable = |id| self.mesh(id).is_some();
+        let drawable = |id| self.mesh(id).is_some_and(|mesh| mesh.suffices(view));
         let cut = match self.scope {
             Scope::Whole => cut_by(&self.tree, &|id, node| urgency_within(&self.tree, view, id, node, self.share), &drawable),
             Scope::Still | Scope::Flight => cut_in_sight(&self.tree, view, self.scope == Scope::Flight, self.share, &drawable),
@@ -383,12 +386,13 @@ impl Scene {
             self.tree.insert(id, &facts);
         }
         let patch = self.resident.get(&id);
-        let mesh = mesh.filter(|_| patch.is_none_or(|patch| patch.mesh.is_none()));
+        let there = patch.and_then(|patch| patch.mesh.as_ref());
+        let mesh = mesh.filter(|mesh| there.is_none_or(|there| mesh.finest < there.finest()));
         let texture = texture.filter(|_| patch.is_none_or(|patch| patch.slot.is_none()));
         if mesh.is_none() && texture.is_none() {
             return Ok(());
         }
-        if patch.is_none() && self.resident.len() >= self.capacity && !self.evict() {
+        if !self.make_room(id, mesh.as_ref()) {
             self.full = true;
             return Ok(());
         }
@@ -405,11 +409,29 @@ impl Scene {
             (patch.slot, patch.sun) = (Some(slot), texture.relief.sun);
         }
         if let Some(mesh) = mesh {
-            patch.mesh = Some(ResidentMesh::new(&self.context, upload, &mesh.patch)?);
+            let coarser = patch.mesh.take().map_or(0, |mesh| mesh.buffer().bytes());
+            let resident = ResidentMesh::new(&self.context, upload, &mesh.patch, mesh.finest)?;
+            self.mesh_bytes += resident.buffer().bytes() - coarser;
+            patch.mesh = Some(resident);
             self.ground.known.insert(mesh.grid);
         }
         self.resident.insert(id, patch);
         Ok(())
+    }
+
+    /// Whether there is room for a patch and its mesh, once others have gone that the latest frame did not use.
+    fn make_room(&mut self, id: PatchId, mesh: Option<&LoadedMesh>) -> bool {
+        let bytes = mesh.map_or(0, |mesh| ResidentMesh::bytes_of(&mesh.patch, mesh.finest));
+        let lacks = |scene: &Scene| {
+            let is_new = !scene.resident.contains_key(&id);
+            (is_new && scene.resident.len() >= scene.capacity) || scene.mesh_bytes + bytes > scene.most_mesh_bytes
+        };
+        while id.level > 0 && lacks(self) {
+            if !self.evict() {
+                return false;
+            }
+        }
+        true
     }
 
     /// A slot for textures: a free one, or else that of an evicted patch.
@@ -427,7 +449,9 @@ impl Scene {
         let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame);
         let Some(oldest) = idle.min_by_key(|(id, p)| (p.last_used, **id)).map(|(id, _)| *id) else { return false };
         self.ground.known.remove(oldest);
-        if let Some(slot) = self.resident.remove(&oldest).and_then(|p| p.slot) {
+        let patch = self.resident.remove(&oldest).unwrap_or_default();
+        self.mesh_bytes -= patch.mesh.map_or(0, |mesh| mesh.buffer().bytes());
+        if let Some(slot) = patch.slot {
             self.textures.release(slot);
         }
         true

@@ -77,10 +77,15 @@ pub fn uploads_within(seconds: f64) -> usize {
     ((seconds * UPLOADS_PER_SECOND) as usize).clamp(UPLOADS_PER_FRAME.0, UPLOADS_PER_FRAME.1)
 }
 
-/// A scene's budgets, in patches.
+/// One in so many bytes of a mesh is what a still's view can wake of it, at most on average over the patches that it draws (measured: a twelfth).
+const STILL_SHARE: u64 = 4;
+
+/// A scene's budgets.
 pub(super) struct Budget {
-    /// Most on the GPU.
+    /// Most patches on the GPU.
     pub(super) capacity: u32,
+    /// Most bytes of their meshes.
+    pub(super) mesh_bytes: u64,
     /// Most under way to it.
     pub(super) under_way: usize,
 }
@@ -92,12 +97,18 @@ impl Budget {
         // Only textures need slots, and come in whole layers.
         let most = if options.textures { layers.saturating_mul(textures::SLOTS_PER_LAYER) } else { u32::MAX };
         let tile = if options.textures { textures::bytes_of_tile(cells) } else { 0 };
-        let gpu_bytes = options.gpu_bytes.saturating_sub(tile * u64::from(textures::SLOTS_PER_LAYER - 1));
+        // The six whole faces are always whole.
+        let whole = resident::bytes_of_patch(cells);
+        let mesh = if options.scope == Scope::Still { whole / STILL_SHARE } else { whole };
+        let faces = 6 * (whole - mesh);
+        let gpu_bytes = options.gpu_bytes.saturating_sub(tile * u64::from(textures::SLOTS_PER_LAYER - 1) + faces);
         let under_way = usize::try_from(options.host_bytes / HOST_SHARE_UNDER_WAY / loader::bytes_under_way(cells));
         let host_bytes = options.host_bytes - options.host_bytes / HOST_SHARE_UNDER_WAY;
-        let room = (gpu_bytes / (resident::bytes_of_patch(cells) + tile)).min(host_bytes / drawn_ground::bytes_of_patch(cells));
+        let room = (gpu_bytes / (mesh + tile)).min(host_bytes / drawn_ground::bytes_of_patch(cells, options.scope));
+        let capacity = u32::try_from(room).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches);
         Budget {
-            capacity: u32::try_from(room).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches),
+            capacity,
+            mesh_bytes: u64::from(capacity) * mesh + faces,
             under_way: under_way.unwrap_or(MOST_UNDER_WAY).clamp(1, MOST_UNDER_WAY),
         }
     }
@@ -114,9 +125,9 @@ mod tests {
             let tile = textures::bytes_of_tile(cells);
             for gpu_bytes in [100 << 20, 1 << 30, 3 << 30, 20 << 30, 1 << 40] {
                 let options = SceneOptions { gpu_bytes, host_bytes: u64::MAX, ..SceneOptions::default() };
-                let capacity = Budget::new(&options, cells, u32::MAX, layers).capacity;
+                let Budget { capacity, mesh_bytes, .. } = Budget::new(&options, cells, u32::MAX, layers);
                 let slots = u64::from(capacity.next_multiple_of(textures::SLOTS_PER_LAYER));
-                let bytes = u64::from(capacity) * resident::bytes_of_patch(cells) + slots * tile;
+                let bytes = mesh_bytes + slots * tile;
                 assert!(bytes <= gpu_bytes, "{cells} cells, {gpu_bytes} bytes: {capacity} patches take {bytes}");
                 assert!(capacity <= textures::SLOTS_PER_LAYER * layers);
                 let next = bytes + u64::from(textures::SLOTS_PER_LAYER) * tile + resident::bytes_of_patch(cells);

@@ -87,15 +87,16 @@ impl Source {
         let is_drawn = !self.tree.can_split(id) || urgency(&self.tree, view, id.level, &node) >= 1.0;
         let shown = shows_textures(&self.tree, view, id, &node.space, is_drawn);
         let found = Found { facts: Some(facts), survey, ..Found::default() };
-        self.load_into(found, id, Parts { mesh: is_drawn || self.scope != Scope::Still, texture: self.textures && shown })
+        let parts = Parts { mesh: is_drawn || self.scope != Scope::Still, texture: self.textures && shown };
+        self.load_into(found, id, parts, Some(view))
     }
 
-    /// Reads parts of a patch, or builds them.
-    pub(super) fn load(&self, id: PatchId, parts: Parts) -> Result<Loaded, StoreError> {
-        self.load_into(Found::default(), id, parts)
+    /// Reads parts of a patch, or builds them. For a still's view a mesh is as fine as that can wake; else it is whole.
+    pub(super) fn load(&self, id: PatchId, parts: Parts, view: Option<&View>) -> Result<Loaded, StoreError> {
+        self.load_into(Found::default(), id, parts, view)
     }
 
-    fn load_into(&self, mut found: Found, id: PatchId, parts: Parts) -> Result<Loaded, StoreError> {
+    fn load_into(&self, mut found: Found, id: PatchId, parts: Parts, view: Option<&View>) -> Result<Loaded, StoreError> {
         self.read(&mut found, id, parts)?;
         let lacks = Parts { mesh: parts.mesh && found.mesh.is_none(), texture: parts.texture && found.texture.is_none() };
         if lacks.mesh && !self.builds {
@@ -115,7 +116,7 @@ impl Source {
                 }
             }
         }
-        Ok(self.prepare(id, found))
+        Ok(self.prepare(id, found, view.filter(|_| self.scope == Scope::Still)))
     }
 
     /// Reads what the files hold of the parts of a patch.
@@ -197,13 +198,14 @@ impl Source {
         heights
     }
 
-    fn prepare(&self, id: PatchId, found: Found) -> Loaded {
+    fn prepare(&self, id: PatchId, found: Found, view: Option<&View>) -> Loaded {
         let texture = found
             .texture
             .map(|texture| LoadedTexture { mips: TextureMips::new(&texture, self.planet.cells), relief: self.relief(id) });
         let mesh = found.mesh.map(|mesh| {
             let grid = PatchGrid::of_mesh(&mesh, &self.planet.lattice);
-            LoadedMesh { patch: LoadedPatch::new(mesh, &self.planet.lattice), grid }
+            let patch = LoadedPatch::new(mesh, &self.planet.lattice);
+            LoadedMesh { finest: view.map_or(0, |view| patch.reach.finest(view)), patch, grid }
         });
         Loaded { id, facts: found.facts, mesh, texture }
     }

@@ -99,12 +99,20 @@ impl Scene {
         let snapshot = Arc::new(*view);
         let mesh_order = |(&id, &urgency): (&PatchId, &f64)| {
             let parts = Parts { mesh: true, texture: textures.contains(&id) };
-            (id, if self.tree.get(id).is_some() { Request::Load(parts) } else { Request::Explore(snapshot.clone()) }, urgency)
+            (
+                id,
+                if self.tree.get(id).is_some() {
+                    Request::Load(parts, Some(snapshot.clone()))
+                } else {
+                    Request::Explore(snapshot.clone())
+                },
+                urgency,
+            )
         };
         let mut orders: Vec<Order> = meshes.iter().map(mesh_order).collect();
         let only = Parts { mesh: false, texture: true };
         let alone = textures.iter().filter(|id| !meshes.contains_key(id));
-        orders.extend(alone.map(|&id| (id, Request::Load(only), AFTER_MESHES)));
+        orders.extend(alone.map(|&id| (id, Request::Load(only, None), AFTER_MESHES)));
         orders
     }
 

@@ -78,13 +78,22 @@ impl Reach {
         Reach { levels: lists.levels.clone(), beyond: lists.levels.iter().map(leave_out).collect() }
     }
 
+    /// The coarsest level, by number, of which a view needs nothing finer anywhere.
+    pub fn finest(&self, view: &View) -> usize {
+        (0..TILES).map(|tile| self.level_of(tile, view)).min().unwrap_or(0)
+    }
+
+    /// The coarsest level, by number, whose left-out vertices of a tile all sleep.
+    fn level_of(&self, tile: usize, view: &View) -> usize {
+        // A coarser level leaves out whatever a finer one does. The finest leaves out nothing.
+        self.beyond.partition_point(|level| level[tile].sleeps(view)).saturating_sub(1)
+    }
+
     /// What a view looks at: every tile from the coarsest level whose left-out vertices all sleep.
     pub fn work(&self, view: &View) -> Work {
         let mut work = Work::default();
         for tile in 0..TILES {
-            // A coarser level leaves out whatever a finer one does. The finest leaves out nothing.
-            let fine_enough = self.beyond.partition_point(|level| level[tile].sleeps(view));
-            let level = &self.levels[fine_enough.saturating_sub(1)];
+            let level = &self.levels[self.level_of(tile, view)];
             work.vertices = work.vertices.max(level.vertices);
             let run = level.tile(tile);
             match work.triangles.last_mut() {

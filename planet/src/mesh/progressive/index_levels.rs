@@ -31,6 +31,11 @@ pub struct IndexLevel {
 }
 
 impl IndexLevel {
+    /// Its first triangle; those of coarser levels follow.
+    pub fn start(&self) -> u32 {
+        self.first[0]
+    }
+
     /// Its triangles in one tile.
     pub fn tile(&self, tile: usize) -> Range<u32> {
         self.first[tile]..self.first[tile + 1]
