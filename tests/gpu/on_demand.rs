@@ -88,7 +88,8 @@ fn patches_built_on_demand_equal_baked_ones() {
     for (view, expected) in views(&planet).iter().zip(&expected) {
         assert!(drawn(&context, &mut again, view) == *expected, "{:?}", view.camera);
     }
-    assert_eq!((again.tally().built, again.tally().read), (0, tally.built));
+    // A mesh is read again for a view that can wake more of it.
+    assert!(again.tally().built == 0 && again.tally().read >= tally.built, "{:?}", again.tally());
 }
 
 #[test]
