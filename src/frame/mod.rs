@@ -24,6 +24,7 @@ mod targets;
 mod tiles;
 mod tonemap;
 
+pub use edges::Edge;
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
 #[cfg(feature = "app")]
 pub use overlay::Overlay;
@@ -166,10 +167,7 @@ impl Renderer {
         let Renderer { buffers, targets, air, tiles, .. } = &*self;
         let shared = Shared { buffers, scene, targets, air, tiles };
         let drawn = Stage::Draw.record(commands, |c| self.draw.record(c, &shared))?;
-        let ground = match targets.samples {
-            Some(_) => Stage::Edges.record(commands, |c| self.edges.record(c, &shared, drawn))?,
-            None => self.edges.record_none(commands, &shared, drawn)?,
-        };
+        let ground = Stage::Edges.record(commands, |c| self.edges.record(c, &shared, drawn))?;
         let water = Stage::Ocean.record(commands, |c| self.ocean.record(c, &shared, ground))?;
         if look.mode == Mode::Wire {
             Stage::Lines.record(commands, |c| self.draw.record_lines(c, &shared, water, ground.depth))?;
