@@ -1,5 +1,5 @@
 #version 460
-// Edges at one sample a pixel, first half: between which pixels there are any. An invocation looks at 32 pixels of ROWS rows.
+// Edges at one sample a pixel, second part: between which pixels there are any. An invocation looks at 32 pixels of ROWS rows.
 //
 // Reversed depth is affine over a plane in the picture, so depth that goes on at the rate at which it changes on either side is one
 // surface, however grazing. Sky, sea and ground are told apart before depth is compared.
@@ -8,92 +8,93 @@
 
 layout(local_size_x = 64) in;
 layout(binding = 1) uniform sampler2D depth;
-layout(binding = 2) uniform sampler2D ground;
-layout(scalar, binding = 3) writeonly buffer EdgeBits { uint bits[]; };
+layout(scalar, binding = 3) buffer EdgeBits { uint bits[]; };
 
 const int ROWS = 4;
 // Surfaces are apart where depth jumps by more than this share of itself, and by so many times its change on either side.
 const float LEAST_JUMP = 0.02;
 const float STEEPER = 3.0;
-// Stands for the depth of the sea where there is no ground below it in the picture.
-const float OPEN_SEA = 1e-20;
 
-bool has_sea() {
-    return shading.sea_level > NO_SEA && shading.height_m > shading.sea_level && !is_diagram(shading.mode);
+ivec2 size;
+
+float depth_at(int x, int y) { return texelFetch(depth, clamp(ivec2(x, y), ivec2(0), size - 1), 0).r; }
+
+// Whether depth jumps from b to c of a, b, c, d in a row: x if c is nearer, y if b is.
+uvec2 jumps(float a, float b, float c, float d) {
+    float jump = c - b, before = b - a, after = d - c;
+    bool far = abs(jump) > LEAST_JUMP * max(b, c);
+    return uvec2(far && jump > STEEPER * max(before, after), far && jump < STEEPER * min(before, after));
 }
 
-// What a pixel shows: depth of ground, negative under water; 0 is the sky.
-float surface(ivec2 pixel, bool sea, ivec2 size) {
-    pixel = clamp(pixel, ivec2(0), size - 1);
-    float found = texelFetch(depth, pixel, 0).r;
-    bool under = sea && texelFetch(ground, pixel, 0).a < 0.0;
-    if (under) found = -found;
-    // A loop of one turn: software renderers run the bodies of all conditions.
-    for (bool open = sea && found == 0.0; open; open = false) {
-        vec3 ray = view_ray((vec2(pixel) + 0.5) / vec2(size));
-        if (distance_to_sea(normalize(ray)) > 0.0) found = -OPEN_SEA;
-    }
-    return found;
+// Turns jumps between pixels and their neighbours into edges: x the neighbour is nearer, y the pixel is, z the waterline.
+uvec3 edges_of(uvec2 jumps, uint sky, uint other_sky, uint sea, uint other_sea) {
+    jumps &= ~(sky | other_sky | sea & other_sea);
+    uint shore = (sea ^ other_sea) & ~(sky | other_sky | jumps.x | jumps.y);
+    return uvec3(jumps.x | sky & ~other_sky, jumps.y | other_sky & ~sky, shore);
 }
 
-// Whether b, then d, lie behind a, behind which on this side is c, by a jump.
-bool jumps(float near, float far, float beyond_near, float beyond_far) {
-    float jump = near - far, slope = max(beyond_near - near, far - beyond_far);
-    return jump > max(LEAST_JUMP * near, STEEPER * slope);
-}
-
-// Edges between pixels b and c of a, b, c, d in a row: x if c is nearer, y if b is, z for the waterline.
-uvec3 between(float a, float b, float c, float d) {
-    float da = abs(a), db = abs(b), dc = abs(c), dd = abs(d);
-    bool sky = b == 0.0 || c == 0.0, sea = b < 0.0 && c < 0.0;
-    bool c_nearer = dc > db && !sea && (sky || jumps(dc, db, dd, da));
-    bool b_nearer = db > dc && !sea && (sky || jumps(db, dc, da, dd));
-    bool shore = !sky && (b < 0.0) != (c < 0.0) && !c_nearer && !b_nearer;
-    return uvec3(c_nearer, b_nearer, shore);
+// A word of a plane and the bit after it, shifted to where the neighbour's right of each pixel stands.
+uint right_of(int plane, int word, int row, uint own) {
+    int words = words_of(size);
+    uint next = word + 1 < words ? bits[word_index(size, plane, word + 1, row)] : 0u;
+    return own >> 1 | next << 31;
 }
 
 void main() {
-    ivec2 size = textureSize(depth, 0);
-    int words = words_of(size), number = int(gl_GlobalInvocationID.x);
-    int word = number % words, top = number / words * ROWS;
-    if (top >= size.y) return;
-    bool sea = has_sea();
-    uint found[PLANES][ROWS];
-    for (int r = 0; r < ROWS; ++r) {
-        for (int plane = 0; plane < PLANES; ++plane) found[plane][r] = 0u;
+    ivec2 image = textureSize(depth, 0);
+    size = seen_size(image, shading.size, shading.window.xy);
+    int words = words_of(size), number = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x);
+    int word = number % words_of(image), top = number / words_of(image) * ROWS, last = min(32, size.x - 32 * word);
+    if (top >= size.y || word >= words) return;
+    uint sky[ROWS + 1], sea[ROWS + 1], all_sky = ~0u, all_sea = ~0u;
+    for (int r = 0; r <= ROWS; ++r) {
+        int row = min(top + r, size.y - 1);
+        sky[r] = bits[word_index(size, SKY, word, row)];
+        sea[r] = bits[word_index(size, SEA, word, row)];
+        all_sky &= sky[r];
+        all_sea &= sea[r];
     }
-    // Of the rows, the pixels at x - 1, x and x + 1 before the turn.
+    uvec2 below[ROWS], right[ROWS];
     float before[ROWS], here[ROWS], after[ROWS];
-    for (int r = 0; r < ROWS; ++r) {
-        ivec2 pixel = ivec2(32 * word, top + r);
-        before[r] = surface(pixel - ivec2(1, 0), sea, size);
-        here[r] = surface(pixel, sea, size);
-        after[r] = surface(pixel + ivec2(1, 0), sea, size);
-    }
-    int last = min(32, size.x - 32 * word);
-    for (int k = 0; k < last; ++k) {
-        int x = 32 * word + k;
-        float column[ROWS + 3];
-        column[0] = surface(ivec2(x, top - 1), sea, size);
-        for (int r = 0; r < ROWS; ++r) column[r + 1] = here[r];
-        column[ROWS + 1] = surface(ivec2(x, top + ROWS), sea, size);
-        column[ROWS + 2] = surface(ivec2(x, top + ROWS + 1), sea, size);
+    for (int r = 0; r < ROWS; ++r) below[r] = right[r] = uvec2(0u);
+    // No turn where all is sky or sea: nor do software renderers run what conditions leave out.
+    int first = all_sky == ~0u || all_sea == ~0u ? last : 0, left = 32 * word;
+    for (bool any = first == 0; any; any = false) {
         for (int r = 0; r < ROWS; ++r) {
-            float next = surface(ivec2(x + 2, top + r), sea, size);
-            uvec3 below = between(column[r], column[r + 1], column[r + 2], column[r + 3]) << k;
-            uvec3 right = between(before[r], here[r], after[r], next) << k;
-            found[BELOW_NEARER][r] |= below.x;
-            found[ABOVE_NEARER][r] |= below.y;
-            found[SHORE_BELOW][r] |= below.z;
-            found[RIGHT_NEARER][r] |= right.x;
-            found[LEFT_NEARER][r] |= right.y;
-            found[SHORE_RIGHT][r] |= right.z;
+            before[r] = depth_at(left - 1, top + r);
+            here[r] = depth_at(left, top + r);
+            after[r] = depth_at(left + 1, top + r);
+        }
+    }
+    for (int k = first; k < last; ++k) {
+        float column[ROWS + 3];
+        column[0] = depth_at(left + k, top - 1);
+        for (int r = 0; r < ROWS; ++r) column[r + 1] = here[r];
+        column[ROWS + 1] = depth_at(left + k, top + ROWS);
+        column[ROWS + 2] = depth_at(left + k, top + ROWS + 1);
+        for (int r = 0; r < ROWS; ++r) {
+            float next = depth_at(left + k + 2, top + r);
+            below[r] |= jumps(column[r], column[r + 1], column[r + 2], column[r + 3]) << k;
+            right[r] |= jumps(before[r], here[r], after[r], next) << k;
             before[r] = here[r];
             here[r] = after[r];
             after[r] = next;
         }
     }
+    // Pixels with a neighbour right of them.
+    uint inner = last < 32 ? (1u << (last - 1)) - 1u : word + 1 < words ? ~0u : ~0u >> 1;
     for (int r = 0; r < ROWS && top + r < size.y; ++r) {
-        for (int plane = 0; plane < PLANES; ++plane) bits[word_index(size, plane, word, top + r)] = found[plane][r];
+        int row = top + r;
+        uvec3 found = edges_of(below[r], sky[r], sky[r + 1], sea[r], sea[r + 1]);
+        bits[word_index(size, BELOW_NEARER, word, row)] = found.x;
+        bits[word_index(size, ABOVE_NEARER, word, row)] = found.y;
+        bits[word_index(size, SHORE_BELOW, word, row)] = found.z;
+        bits[word_index(size, ANY_BELOW, word, row)] = found.x | found.y | found.z;
+        uint right_sky = right_of(SKY, word, row, sky[r]), right_sea = right_of(SEA, word, row, sea[r]);
+        found = edges_of(right[r], sky[r], right_sky, sea[r], right_sea) & inner;
+        bits[word_index(size, RIGHT_NEARER, word, row)] = found.x;
+        bits[word_index(size, LEFT_NEARER, word, row)] = found.y;
+        bits[word_index(size, SHORE_RIGHT, word, row)] = found.z;
+        bits[word_index(size, ANY_RIGHT, word, row)] = found.x | found.y | found.z;
     }
 }

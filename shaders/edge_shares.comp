@@ -2,10 +2,9 @@
 // Edges at one sample a pixel, second half: how much of each pixel the other surface covers, from the shape of the edge: morphological
 // anti-aliasing (Reshetov 2009). An edge between two rows (or columns) runs straight until it steps to the next one; where it steps the
 // outline passes half a pixel beside it, so the outline is known along the whole run. An invocation writes 32 pixels of a row.
-#include "layout.glsl"
+#include "shading.glsl"
 #include "edges.glsl"
 #include "edge_planes.glsl"
-#extension GL_EXT_scalar_block_layout : require
 
 layout(local_size_x = 64) in;
 layout(binding = 1) uniform sampler2D ground;
@@ -20,19 +19,19 @@ uint word_at(int plane, int word, int row) { return bits[word_index(size, plane,
 
 bool bit_at(int plane, ivec2 pixel) { return (word_at(plane, pixel.x >> 5, pixel.y) >> (pixel.x & 31) & 1u) != 0u; }
 
-// How many pixels of a row from this one on, itself included, have an edge of a kind; NO_END if nothing is seen to end it within reach.
+// How many pixels from this one on, itself included, have an edge of a kind, as far as the picture goes; NO_END if they are more than
+// EDGE_REACH. Nothing farther away counts, so that parts of a picture have the edges of the whole.
 const int NO_END = EDGE_REACH + 1;
 
 int run_left(int plane, ivec2 pixel) {
     int word = pixel.x >> 5, count = (pixel.x & 31) + 1;
     uint gaps = ~word_at(plane, word, pixel.y) << (32 - count);
     if (gaps != 0u) return 31 - findMSB(gaps);
-    while (--word >= 0 && count < NO_END) {
+    while (gaps == 0u && --word >= 0 && count < NO_END) {
         gaps = ~word_at(plane, word, pixel.y);
-        if (gaps != 0u) return min(count + 31 - findMSB(gaps), NO_END);
-        count += 32;
+        count += gaps != 0u ? 31 - findMSB(gaps) : 32;
     }
-    return NO_END;
+    return min(count, NO_END);
 }
 
 int run_right(int plane, ivec2 pixel) {
@@ -43,18 +42,14 @@ int run_right(int plane, ivec2 pixel) {
         gaps = ~word_at(plane, word, pixel.y);
         count += gaps != 0u ? findLSB(gaps) : 32;
     }
-    // Nothing is known of what lies right of the picture.
-    return pixel.x + count < size.x ? min(count, NO_END) : NO_END;
+    return min(min(count, size.x - pixel.x), NO_END);
 }
 
 // The same for a column, in steps of 1 or -1.
-int run_down(int plane, ivec2 pixel, int by) {
-    for (int count = 1; count < NO_END; ++count) {
-        pixel.y += by;
-        if (pixel.y < 0 || pixel.y >= size.y) return NO_END;
-        if (!bit_at(plane, pixel)) return count;
-    }
-    return NO_END;
+int run_along(int plane, ivec2 pixel, int by) {
+    int count = 1, most = min(by < 0 ? pixel.y + 1 : size.y - pixel.y, NO_END);
+    while (count < most && bit_at(plane, ivec2(pixel.x, pixel.y + by * count))) ++count;
+    return count;
 }
 
 // Where an edge goes at the end of its run: -1 to the pixels before it (above or left), 1 to those after it, 0 to neither. `at` is the
@@ -81,51 +76,88 @@ float part(int t, float reach) { return 0.5 * (under_line(float(t + 1), reach) -
 // `side` is 1 if the pixel asked for is that one, -1 if it is the other.
 float share_beside(bool upright, int kind, ivec2 first, int side) {
     int plane = (upright ? RIGHT_NEARER : BELOW_NEARER) + kind;
-    int back = upright ? run_down(plane, first, -1) : run_left(plane, first);
-    int on = upright ? run_down(plane, first, 1) : run_right(plane, first);
+    int back = upright ? run_along(plane, first, -1) : run_left(plane, first);
+    int on = upright ? run_along(plane, first, 1) : run_right(plane, first);
     ivec2 along = upright ? ivec2(0, 1) : ivec2(1, 0);
-    bool ends_back = back < NO_END, ends_on = on < NO_END;
-    // Which side the outline goes to at either end.
-    int turn_back = ends_back ? turn(upright, kind, false, first - back * along) : 0;
-    int turn_on = ends_on ? turn(upright, kind, true, first + (on - 1) * along) : 0;
-    float run = float(back + on - 1), reach = float(EDGE_REACH);
-    // It meets the edge half-way between two turns, or at an end without a turn.
-    if (ends_back && ends_on) reach = turn_back != 0 && turn_on != 0 ? 0.5 * run : run;
+    ivec2 before = first - back * along, last = first + (on - 1) * along;
+    // Which side the outline goes to at either end; where the picture ends or the run is too long, nobody knows.
+    bool ends_back = back < NO_END && min(before.x, before.y) >= 0;
+    bool ends_on = on < NO_END && all(lessThan(last + along, size));
+    int turn_back = ends_back ? turn(upright, kind, false, before) : 0;
+    int turn_on = ends_on ? turn(upright, kind, true, last) : 0;
+    // It meets the edge half-way between two turns, or at the other end, as far as that is known.
+    float run = float(back + on - 1);
+    float reach = turn_back != 0 && turn_on != 0 ? 0.5 * run : ends_back && ends_on ? run : min(run, float(EDGE_REACH));
     float share = 0.0;
     if (turn_back == -side) share += part(back - 1, reach);
     if (turn_on == -side) share += part(on - 1, reach);
     return share;
 }
 
-// Kind of the edge between a pixel and the next: 0 if the next is nearer, 1 if the pixel is; -1 without one.
-int kind_of(bool upright, ivec2 first) {
-    if (any(lessThan(first, ivec2(0)))) return -1;
-    int plane = upright ? RIGHT_NEARER : BELOW_NEARER;
-    return bit_at(plane, first) ? 0 : bit_at(plane + 1, first) ? 1 : -1;
+float height_at(ivec2 pixel) { return texelFetch(ground, clamp(pixel, ivec2(0), size - 1), 0).a; }
+
+// Share of the other side of the waterline, where the height above the sea is 0, from that height and its changes along x and y; and the
+// neighbour where the other side is widest. Neighbours that are `apart` are on another surface.
+float share_of_shore(ivec2 pixel, bvec4 apart, out int chosen) {
+    float own = height_at(pixel), widest = -1.0;
+    vec2 change = vec2(0.0), count = vec2(0.0);
+    chosen = 0;
+    for (int k = 0; k < 4; ++k) {
+        float other = height_at(pixel + NEIGHBOURS[k]);
+        float weight = apart[k] ? 0.0 : 1.0;
+        change[k / 2] += weight * abs(other - own);
+        count[k / 2] += weight;
+        if (!apart[k] && (own < 0.0) != (other < 0.0) && abs(other) > widest) {
+            widest = abs(other);
+            chosen = k;
+        }
+    }
+    change /= max(count, 1.0);
+    // Of a pixel cut by a straight line: a triangle or, if that reaches both corners, a trapezium.
+    float more = max(max(change.x, change.y), 1e-9), less = min(change.x, change.y), corner = 0.5 * (more + less) - abs(own);
+    return corner <= less ? max(corner, 0.0) * max(corner, 0.0) / (2.0 * more * max(less, 1e-9)) : 0.5 - abs(own) / more;
 }
 
-// Share of the other side of the waterline: it passes where the height above the sea, linear between pixels, is 0.
-float share_of_shore(ivec2 pixel, ivec2 other) {
-    float own = abs(texelFetch(ground, pixel, 0).a), others = abs(texelFetch(ground, other, 0).a);
-    return max(0.5 - own / max(own + others, 1e-9), 0.0);
+// The words of the edges between the pixels of a word and their neighbours on one side: x where the one below or right is nearer, y
+// where the one above or left is, z the waterline.
+uvec3 edges_towards(int k, int word, int row) {
+    int plane = k < 2 ? RIGHT_NEARER : BELOW_NEARER, shore = k < 2 ? SHORE_RIGHT : SHORE_BELOW;
+    if (k == 3) --row;
+    if (row < 0) return uvec3(0u);
+    uvec3 own = uvec3(word_at(plane, word, row), word_at(plane + 1, word, row), word_at(shore, word, row));
+    if (k != 1) return own;
+    uvec3 left = word == 0 ? uvec3(0u) : uvec3(word_at(plane, word - 1, row), word_at(plane + 1, word - 1, row), word_at(shore, word - 1, row));
+    return own << 1 | left >> 31;
 }
 
-uint note_of(ivec2 pixel) {
+uint note_of(ivec2 pixel, uvec3 edges[4]) {
     float best = 0.0;
     int chosen = 0, nearer = 0, farther = 0, open = 0;
+    bvec4 apart = bvec4(false);
+    uint shore = 0u;
     for (int k = 0; k < 4; ++k) {
-        bool upright = k < 2;
-        ivec2 other = pixel + NEIGHBOURS[k], first = min(pixel, other);
-        int kind = kind_of(upright, first), side = (k & 1) == 0 ? 1 : -1;
-        bool shore = all(greaterThanEqual(first, ivec2(0))) && bit_at(upright ? SHORE_RIGHT : SHORE_BELOW, first);
-        float share = shore ? share_of_shore(pixel, other) : 0.0;
-        if (kind < 0) open = k;
+        uvec3 edge = edges[k] >> (pixel.x & 31) & 1u;
+        int kind = int(edge.y), side = (k & 1) == 0 ? 1 : -1;
+        ivec2 other = pixel + NEIGHBOURS[k];
+        float share = 0.0;
+        shore |= edge.z;
+        apart[k] = (edge.x | edge.y) != 0u;
+        if (!apart[k]) open = k;
         else if ((kind == 0) == (side == 1)) ++nearer;
         else ++farther;
-        for (bool edge = kind >= 0; edge; edge = false) share = share_beside(upright, kind, first, side);
+        // A loop of one turn.
+        for (bool on = apart[k]; on; on = false) share = share_beside(k < 2, kind, min(pixel, other), side);
         if (share > best) {
             best = share;
             chosen = k;
+        }
+    }
+    for (; shore != 0u; shore = 0u) {
+        int other;
+        float share = share_of_shore(pixel, apart, other);
+        if (share > best) {
+            best = share;
+            chosen = other;
         }
     }
     // One pixel of a surface alone is narrower than it looks.
@@ -137,21 +169,23 @@ uint note_of(ivec2 pixel) {
 }
 
 void main() {
-    size = textureSize(ground, 0);
+    ivec2 image = textureSize(ground, 0);
+    size = seen_size(image, shading.size, shading.window.xy);
     words = words_of(size);
-    int number = int(gl_GlobalInvocationID.x), word = number % words, row = number / words;
-    if (row >= size.y) return;
-    for (int k = 0; k < 8; ++k) notes[8 * number + k] = 0u;
-    uint beside = word_at(RIGHT_NEARER, word, row) | word_at(LEFT_NEARER, word, row) | word_at(SHORE_RIGHT, word, row);
-    uint edges = beside | beside << 1 | word_at(BELOW_NEARER, word, row) | word_at(ABOVE_NEARER, word, row) | word_at(SHORE_BELOW, word, row);
-    if (word > 0) {
-        uint left = word_at(RIGHT_NEARER, word - 1, row) | word_at(LEFT_NEARER, word - 1, row) | word_at(SHORE_RIGHT, word - 1, row);
-        edges |= left >> 31;
-    }
-    if (row > 0) edges |= word_at(BELOW_NEARER, word, row - 1) | word_at(ABOVE_NEARER, word, row - 1) | word_at(SHORE_BELOW, word, row - 1);
-    if (32 * word + 32 > size.x) edges &= (1u << (size.x & 31)) - 1u;
-    for (; edges != 0u; edges &= edges - 1u) {
-        int k = findLSB(edges);
-        notes[8 * number + k / 4] |= note_of(ivec2(32 * word + k, row)) << (8 * (k & 3));
+    int number = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x), word = number % words_of(image), row = number / words_of(image);
+    if (row >= size.y || word >= words) return;
+    uint beside = word_at(ANY_RIGHT, word, row);
+    uint left = word > 0 ? word_at(ANY_RIGHT, word - 1, row) >> 31 : 0u;
+    uint above = row > 0 ? word_at(ANY_BELOW, word, row - 1) : 0u;
+    uint left_to_do = beside | beside << 1 | left | above | word_at(ANY_BELOW, word, row);
+    if (32 * word + 32 > size.x) left_to_do &= (1u << (size.x & 31)) - 1u;
+    // A loop of one turn: software renderers run the bodies of all conditions.
+    for (bool any = left_to_do != 0u; any; any = false) {
+        uvec3 edges[4];
+        for (int k = 0; k < 4; ++k) edges[k] = edges_towards(k, word, row);
+        for (; left_to_do != 0u; left_to_do &= left_to_do - 1u) {
+            int k = findLSB(left_to_do);
+            notes[8 * number + k / 4] |= note_of(ivec2(32 * word + k, row), edges) << (8 * (k & 3));
+        }
     }
 }

@@ -1,7 +1,7 @@
 //! Still pictures without a window.
 
-use crate::frame::{FrameTables, Look, Renderer};
 pub use crate::frame::Edge;
+use crate::frame::{FrameTables, Look, Renderer};
 use crate::scene::{Scene, SceneError};
 use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps, VulkanError};
 use std::sync::Arc;

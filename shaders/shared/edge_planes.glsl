@@ -1,7 +1,7 @@
-// Where neighbouring pixels show different surfaces: one bit a pixel and kind of edge, 32 pixels of a row a word. `edge_bits.comp` writes
-// them, `edge_shares.comp` reads.
+// What neighbouring pixels show, and where they show different surfaces: one bit a pixel and plane, 32 pixels of a row a word.
+// `edge_kinds.comp` writes what pixels show, `edge_bits.comp` the others, and `edge_shares.comp` reads them.
 
-// Kinds: between a pixel and the one below it, or the one right of it; and which of the two is nearer.
+// Edges between a pixel and the one below it, or the one right of it, by which of the two is nearer.
 const int BELOW_NEARER = 0;
 const int ABOVE_NEARER = 1;
 const int RIGHT_NEARER = 2;
@@ -9,7 +9,16 @@ const int LEFT_NEARER = 3;
 // The waterline passes between a pixel and the one below it, or right of it: the surface is one, half of it under water.
 const int SHORE_BELOW = 4;
 const int SHORE_RIGHT = 5;
-const int PLANES = 6;
+// Pixels that show the sky, and the sea.
+const int SKY = 6;
+const int SEA = 7;
+
+// Pixels with any edge below them, and right of them.
+const int ANY_BELOW = 8;
+const int ANY_RIGHT = 9;
+
+// The part of an image that lies in the picture: the last windows of a picture reach beyond it.
+ivec2 seen_size(ivec2 image, vec2 picture, vec2 origin) { return min(image, ivec2(picture - origin)); }
 
 int words_of(ivec2 size) { return (size.x + 31) / 32; }
 

@@ -5,6 +5,7 @@
 mod air;
 mod buffers;
 mod draw;
+mod edge_shapes;
 mod edges;
 mod emit;
 mod fullscreen;
@@ -24,8 +25,8 @@ mod targets;
 mod tiles;
 mod tonemap;
 
-pub use edges::Edge;
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
+pub use edges::Edge;
 #[cfg(feature = "app")]
 pub use overlay::Overlay;
 pub use shading::{shading, sun_over, Look, DAYLIGHT};

@@ -1,6 +1,6 @@
 //! The images that a frame is drawn into.
 
-use super::edges::{EdgeBuffers, WORD};
+use super::edge_shapes::{EdgeBuffers, WORD};
 use super::passed::{Drawn, Ground};
 use crate::vulkan::{vk, Context, Image, ImageDescription, Result, Sampler, SamplerDescription};
 use std::sync::Arc;
@@ -31,7 +31,7 @@ pub struct Targets {
     pub samples: Option<Samples>,
     /// Pixels that are part of another surface, too; with one sample a pixel somewhat wider than the picture.
     pub edges: Image,
-    /// What finds them, where there is one sample a pixel.
+    /// What finds them where there is one sample a pixel.
     pub(super) edge_buffers: Option<EdgeBuffers>,
     /// Ground and sea.
     pub water: Image,

@@ -165,19 +165,35 @@ fn measure(context: &Arc<Context>, file: &Path, options: &Options, size: [u32; 2
         times.push(report.times.ms(Stage::Edges.name()).unwrap_or(0.0));
     }
     times.sort_by(f64::total_cmp);
-    let picture = read(&headless, size)?;
+    let picture = read(&headless, &scene, &view)?;
     let mut row = Row { edges_ms: times[FRAMES / 2], ..Row::default() };
-    let shares = finer_shares(context, &scene, (&view_of(&scene, FINER), &cut), &look, size)?;
+    let shares = if std::env::var_os("QUICK").is_some() {
+        vec![0.0; picture.sky.len()]
+    } else {
+        finer_shares(context, &scene, (&view_of(&scene, FINER), &cut), &look, size)?
+    };
     slopes(&picture, &shares, &mut row);
     alone(&picture, &mut row);
     Ok(row)
 }
 
-fn read(headless: &Headless, size: [u32; 2]) -> anyhow::Result<Picture> {
-    let depth = headless.depth()?;
-    // Radiance covers all of what lies behind a pixel where there is ground or sea.
-    let sky = headless.radiance()?.chunks_exact(4).zip(&depth).map(|(p, &depth)| depth <= 0.0 && p[3] < 0.9995).collect();
+fn read(headless: &Headless, scene: &Scene, view: &View) -> anyhow::Result<Picture> {
+    let (depth, size) = (headless.depth()?, view.camera.size);
+    let sky = depth.iter().enumerate().map(|(k, &depth)| depth <= 0.0 && !meets_sea(scene, view, k)).collect();
     Ok(Picture { size, depth, edges: headless.edges()?, sky })
+}
+
+/// Whether the ray through a pixel meets the sphere of the sea.
+fn meets_sea(scene: &Scene, view: &View, pixel: usize) -> bool {
+    let (camera, recipe) = (&view.camera, &scene.planet().recipe);
+    let Some(sea) = &recipe.sea else { return false };
+    let [width, height] = camera.size;
+    let (h, v) = camera.half_extents();
+    let x = (2.0 * f64::from(pixel as u32 % width) + 1.0) / f64::from(width) - 1.0;
+    let y = 1.0 - (2.0 * f64::from(pixel as u32 / width) + 1.0) / f64::from(height);
+    let ray = (camera.forward + camera.right() * (h * x) + camera.up * (v * y)).normalize();
+    let along = camera.position.dot(ray);
+    along < 0.0 && camera.position.length_squared() - along * along < (recipe.radius + sea.level_m).powi(2)
 }
 
 /// The share of each pixel that is not sky, from a finer picture of the same mesh.
@@ -190,7 +206,7 @@ fn finer_shares(
 ) -> anyhow::Result<Vec<f32>> {
     let mut headless = Headless::new(context, (FINER * size[0], FINER * size[1]))?;
     headless.render(scene, view, cut, look)?;
-    let finer = read(&headless, size.map(|side| FINER * side))?;
+    let finer = read(&headless, scene, view)?;
     let mut shares = vec![0.0; (size[0] * size[1]) as usize];
     for (k, sky) in finer.sky.iter().enumerate() {
         let (x, y) = (k as u32 % finer.size[0] / FINER, k as u32 / finer.size[0] / FINER);
