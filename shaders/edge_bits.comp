@@ -6,7 +6,6 @@
 #include "shading.glsl"
 #include "edge_planes.glsl"
 
-layout(local_size_x = 64) in;
 layout(binding = 1) uniform sampler2D depth;
 layout(scalar, binding = 3) buffer EdgeBits { uint bits[]; };
 
@@ -43,7 +42,7 @@ uint right_of(int plane, int word, int row, uint own) {
 void main() {
     ivec2 image = textureSize(depth, 0);
     size = seen_size(image, shading.size, shading.window.xy);
-    int words = words_of(size), number = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x);
+    int words = words_of(size), number = own_number();
     int word = number % words_of(image), top = number / words_of(image) * ROWS, last = min(32, size.x - 32 * word);
     if (top >= size.y || word >= words) return;
     uint sky[ROWS + 1], sea[ROWS + 1], all_sky = ~0u, all_sea = ~0u;

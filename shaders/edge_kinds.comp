@@ -3,14 +3,13 @@
 #include "shading.glsl"
 #include "edge_planes.glsl"
 
-layout(local_size_x = 64) in;
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D ground;
 layout(scalar, binding = 3) writeonly buffer EdgeBits { uint bits[]; };
 
 void main() {
     ivec2 image = textureSize(depth, 0), size = seen_size(image, shading.size, shading.window.xy);
-    int number = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x), word = number % words_of(image), row = number / words_of(image);
+    int number = own_number(), word = number % words_of(image), row = number / words_of(image);
     if (row >= size.y || word >= words_of(size)) return;
     int last = min(32, size.x - 32 * word);
     uint sky = 0u, sea = 0u;

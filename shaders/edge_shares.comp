@@ -6,7 +6,6 @@
 #include "edges.glsl"
 #include "edge_planes.glsl"
 
-layout(local_size_x = 64) in;
 layout(binding = 1) uniform sampler2D ground;
 layout(scalar, binding = 3) readonly buffer EdgeBits { uint bits[]; };
 // See edges.glsl; four pixels a word.
@@ -172,7 +171,7 @@ void main() {
     ivec2 image = textureSize(ground, 0);
     size = seen_size(image, shading.size, shading.window.xy);
     words = words_of(size);
-    int number = int((gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x) * gl_WorkGroupSize.x + gl_LocalInvocationID.x), word = number % words_of(image), row = number / words_of(image);
+    int number = own_number(), word = number % words_of(image), row = number / words_of(image);
     if (row >= size.y || word >= words) return;
     uint beside = word_at(ANY_RIGHT, word, row);
     uint left = word > 0 ? word_at(ANY_RIGHT, word - 1, row) >> 31 : 0u;

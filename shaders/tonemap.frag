@@ -44,8 +44,8 @@ void main() {
     float share;
     ivec2 neighbour;
     bool edge = decode_edge(texelFetch(edges, pixel, 0).r, share, neighbour) && !is_plain(shading.mode);
-    // A loop of one turn: software renderers run the bodies of all conditions.
-    for (; edge; edge = false) {
+    // A loop of one turn at most: software renderers run the bodies of all conditions.
+    for (float left = edge ? share : 0.0; left > 0.0; left -= 1.0) {
         // Mixed as encoded: so edges look equally wide on both sides.
         shown = mix(shown, shown_at(clamp(pixel + neighbour, ivec2(0), textureSize(radiance, 0) - 1)), share);
     }

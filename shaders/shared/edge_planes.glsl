@@ -24,3 +24,14 @@ int words_of(ivec2 size) { return (size.x + 31) / 32; }
 
 // Where the word stands that holds pixel (32 word, row).
 int word_index(ivec2 size, int plane, int word, int row) { return (plane * size.y + row) * words_of(size) + word; }
+
+// Number of the words that an invocation looks at. Eight are neighbours; the next eight are elsewhere, in another SPREADth of the picture:
+// skies cost nothing and skylines much, and software renderers give each thread one run of workgroups.
+layout(local_size_x = 64) in;
+const uint SPREAD = 16u;
+int own_number() {
+    uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
+    uint eights = gl_WorkGroupSize.x / 8u, most = (groups * eights + SPREAD - 1u) / SPREAD;
+    uint eight = group * eights + gl_LocalInvocationID.x / 8u;
+    return int((eight % most * SPREAD + eight / most) * 8u + gl_LocalInvocationID.x % 8u);
+}
