@@ -47,10 +47,10 @@ mod tests {
             let drawn = drawn(&kept, picture, margin);
             assert!(drawn.iter().all(|window| window.size == drawn[0].size && window.size.iter().all(|side| side % 2 == 0)));
             for (kept, drawn) in kept.iter().zip(&drawn) {
-                for k in 0..2 {
-                    let end = (kept.origin[k] + kept.size[k]).min(picture[k]);
+                for (k, side) in picture.into_iter().enumerate() {
+                    let end = (kept.origin[k] + kept.size[k]).min(side);
                     assert!(drawn.origin[k] <= kept.origin[k].saturating_sub(margin) && drawn.origin[k] % 2 == 0);
-                    assert!(drawn.origin[k] + drawn.size[k] >= (end + margin).min(picture[k]), "{kept:?} {drawn:?}");
+                    assert!(drawn.origin[k] + drawn.size[k] >= (end + margin).min(side), "{kept:?} {drawn:?}");
                 }
             }
         }
