@@ -31,7 +31,9 @@ layout(local_size_x = 64) in;
 const uint SPREAD = 16u;
 int own_number() {
     uint group = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x, groups = gl_NumWorkGroups.x * gl_NumWorkGroups.y;
-    uint eights = gl_WorkGroupSize.x / 8u, most = (groups * eights + SPREAD - 1u) / SPREAD;
+    uint eights = gl_WorkGroupSize.x / 8u, length = max(groups * eights / SPREAD, 1u);
     uint eight = group * eights + gl_LocalInvocationID.x / 8u;
-    return int((eight % most * SPREAD + eight / most) * 8u + gl_LocalInvocationID.x % 8u);
+    // What does not divide comes last.
+    if (eight < SPREAD * length && groups * eights >= SPREAD) eight = eight % length * SPREAD + eight / length;
+    return int(eight * 8u + gl_LocalInvocationID.x % 8u);
 }
