@@ -21,8 +21,7 @@ float depth_at(int x, int y) { return texelFetch(depth, clamp(ivec2(x, y), ivec2
 // Whether depth jumps from b to c of a, b, c, d in a row: x if c is nearer, y if b is.
 uvec2 jumps(float a, float b, float c, float d) {
     float jump = c - b, before = b - a, after = d - c;
-    bool far = abs(jump) > LEAST_JUMP * max(b, c);
-    return uvec2(far && jump > STEEPER * max(before, after), far && jump < STEEPER * min(before, after));
+    return uvec2(jump > max(LEAST_JUMP * c, STEEPER * max(before, after)), -jump > max(LEAST_JUMP * b, -STEEPER * min(before, after)));
 }
 
 // Turns jumps between pixels and their neighbours into edges: x the neighbour is nearer, y the pixel is, z the waterline.

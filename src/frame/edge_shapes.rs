@@ -260,6 +260,10 @@ mod tests {
         let plane = |x: i32, y: i32| (1e-4 * (y as f32 - 30.3 - x as f32 / 40.0)).max(0.0);
         let horizon = mixed(&plane);
         assert!(horizon.len() > 150 && horizon.iter().all(|&(_, y)| y < 37), "{horizon:?}");
+        // Grazing both ways: depth changes by tenths from pixel to pixel, and nothing but the horizon is an edge.
+        let slanting = |x: i32, y: i32| (1e-4 * (y as f32 - 20.3 - 0.7 * x as f32)).max(0.0);
+        let found = mixed(&slanting);
+        assert!(found.len() > 100 && found.iter().all(|&(x, y)| (y as f32 - 20.3 - 0.7 * x as f32).abs() < 3.0), "{found:?}");
         let foot_of_a_wall = |x: i32, y: i32| plane(x, y).max(1e-3 + 2e-6 * x as f32);
         assert_eq!(mixed(&foot_of_a_wall), []);
         let crest = |x: i32, y: i32| 1e-3 * (1.0 + 0.02 * y as f32 + 0.5 * (x as f32 / 30.0).sin().abs());
