@@ -269,7 +269,7 @@ mod tests {
         let crest = |x: i32, y: i32| 1e-3 * (1.0 + 0.02 * y as f32 + 0.5 * (x as f32 / 30.0).sin().abs());
         assert_eq!(mixed(&crest), []);
         let step = |x: i32, y: i32| foot_of_a_wall(x, y) * if 2 * y > 100 + x { 1.3 } else { 1.0 };
-        assert!(mixed(&step).len() > 150);
+        assert!(mixed(&step).len() > 60);
     }
 
     #[test]
