@@ -44,5 +44,5 @@ void main() {
             chosen = k;
         }
     }
-    if (chosen >= 0) out_edge = encode_edge(count * 8 / SAMPLES, chosen);
+    if (chosen >= 0) out_edge = float(edge_code(count * SHARE_PARTS / SAMPLES, chosen)) / 255.0;
 }

@@ -43,7 +43,9 @@ void main() {
     vec3 shown = shown_at(pixel);
     float share;
     ivec2 neighbour;
-    if (decode_edge(texelFetch(edges, pixel, 0).r, share, neighbour)) {
+    bool edge = decode_edge(texelFetch(edges, pixel, 0).r, share, neighbour) && !is_plain(shading.mode);
+    // A loop of one turn at most: software renderers run the bodies of all conditions.
+    for (float left = edge ? share : 0.0; left > 0.0; left -= 1.0) {
         // Mixed as encoded: so edges look equally wide on both sides.
         shown = mix(shown, shown_at(clamp(pixel + neighbour, ivec2(0), textureSize(radiance, 0) - 1)), share);
     }

@@ -1,5 +1,6 @@
 //! Still pictures without a window.
 
+pub use crate::frame::Edge;
 use crate::frame::{FrameTables, Look, Renderer};
 use crate::scene::{Scene, SceneError};
 use crate::vulkan::{capture, download, vk, Access, Commands, Context, Image, ImageDescription, Timestamps, VulkanError};
@@ -178,6 +179,15 @@ impl Headless {
     /// Where the latest picture shows ground: its depth (near plane over distance), 0 where there is none, row by row.
     pub fn depth(&self) -> Result<Vec<f32>, SceneError> {
         Ok(capture(&self.context, &self.renderer.targets.depth, (0, 0), Access::Sampled)?.to_f32()?)
+    }
+
+    /// Which pixels of the latest picture are part of another surface, too; row by row.
+    pub fn edges(&self) -> Result<Vec<Option<Edge>>, SceneError> {
+        let targets = &self.renderer.targets;
+        let captured = capture(&self.context, &targets.edges, (0, 0), Access::Sampled)?;
+        // The image may be wider than the picture.
+        let rows = captured.bytes.chunks_exact(captured.width as usize);
+        Ok(rows.flat_map(|row| row[..targets.size.0 as usize].iter().map(|&code| Edge::decode(code))).collect())
     }
 
     /// The latest picture, four bytes a pixel, row by row.

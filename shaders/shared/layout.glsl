@@ -133,6 +133,7 @@ const float TONE_CURVE[7] = float[7](15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191
 const float TONE_CONTRAST = 1.4;
 const float TONE_SATURATION = 1.35;
 const vec3 DITHER = vec3(0.06711056, 0.00583715, 52.982918);
+const int EDGE_REACH = 128;
 const uvec2 TEXT_CELL = uvec2(8u, 10u);
 const uint TEXT_POSITION_BITS = 10u;
 const uint SIDE_LEFT = 1u;

@@ -5,6 +5,7 @@
 mod air;
 mod buffers;
 mod draw;
+mod edge_shapes;
 mod edges;
 mod emit;
 mod fullscreen;
@@ -25,6 +26,7 @@ mod tiles;
 mod tonemap;
 
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
+pub use edges::Edge;
 #[cfg(feature = "app")]
 pub use overlay::Overlay;
 pub use shading::{shading, sun_over, Look, DAYLIGHT};
@@ -166,10 +168,7 @@ impl Renderer {
         let Renderer { buffers, targets, air, tiles, .. } = &*self;
         let shared = Shared { buffers, scene, targets, air, tiles };
         let drawn = Stage::Draw.record(commands, |c| self.draw.record(c, &shared))?;
-        let ground = match targets.samples {
-            Some(_) => Stage::Edges.record(commands, |c| self.edges.record(c, &shared, drawn))?,
-            None => self.edges.record_none(commands, &shared, drawn)?,
-        };
+        let ground = Stage::Edges.record(commands, |c| self.edges.record(c, &shared, drawn))?;
         let water = Stage::Ocean.record(commands, |c| self.ocean.record(c, &shared, ground))?;
         if look.mode == Mode::Wire {
             Stage::Lines.record(commands, |c| self.draw.record_lines(c, &shared, water, ground.depth))?;

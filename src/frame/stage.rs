@@ -18,7 +18,7 @@ pub enum Stage {
     Air,
     /// The ground.
     Draw,
-    /// Pixels that show several surfaces, only with several samples a pixel.
+    /// Pixels that show several surfaces.
     Edges,
     /// The sea.
     Ocean,

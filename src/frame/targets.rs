@@ -1,5 +1,6 @@
 //! The images that a frame is drawn into.
 
+use super::edge_shapes::{EdgeBuffers, WORD};
 use super::passed::{Drawn, Ground};
 use crate::vulkan::{vk, Context, Image, ImageDescription, Result, Sampler, SamplerDescription};
 use std::sync::Arc;
@@ -28,8 +29,10 @@ pub struct Targets {
     pub depth: Image,
     /// The samples of both, where there are several.
     pub samples: Option<Samples>,
-    /// Pixels that are part of another surface, too; black without samples.
+    /// Pixels that are part of another surface, too; with one sample a pixel somewhat wider than the picture.
     pub edges: Image,
+    /// What finds them where there is one sample a pixel.
+    pub(super) edge_buffers: Option<EdgeBuffers>,
     /// Ground and sea.
     pub water: Image,
     /// Radiance of all that is seen: ground, sea, air, stars.
@@ -45,7 +48,7 @@ impl Targets {
     pub fn new(context: &Arc<Context>, size: (u32, u32), samples: u32) -> Result<Targets> {
         let color = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
         let depth = vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
-        let image = |name, format, usage| Image::new(context, &ImageDescription::new(name, size, format, usage));
+        let image = |name, size, format, usage| Image::new(context, &ImageDescription::new(name, size, format, usage));
         let several = |name, format, usage| {
             Image::new(context, &ImageDescription { samples, ..ImageDescription::new(name, size, format, usage) })
         };
@@ -55,14 +58,18 @@ impl Targets {
         } else {
             None
         };
+        let edge_size = if samples.is_some() { size } else { (size.0.next_multiple_of(WORD), size.1) };
+        let edges = image("edges", edge_size, EDGE_FORMAT, color)?;
+        let edge_buffers = if samples.is_some() { None } else { Some(EdgeBuffers::new(context, &edges)?) };
         let nearest = SamplerDescription { filter: vk::Filter::NEAREST, ..SamplerDescription::default() };
         Ok(Targets {
-            ground: image("ground", RADIANCE_FORMAT, color)?,
-            depth: image("depth", DEPTH_FORMAT, depth)?,
+            ground: image("ground", size, RADIANCE_FORMAT, color)?,
+            depth: image("depth", size, DEPTH_FORMAT, depth)?,
             samples,
-            edges: image("edges", EDGE_FORMAT, color)?,
-            water: image("water", RADIANCE_FORMAT, color)?,
-            radiance: image("radiance", RADIANCE_FORMAT, color)?,
+            edges,
+            edge_buffers,
+            water: image("water", size, RADIANCE_FORMAT, color)?,
+            radiance: image("radiance", size, RADIANCE_FORMAT, color)?,
             nearest: Sampler::new(context, "nearest", &nearest)?,
             size,
         })

@@ -3,6 +3,7 @@
 //! The samples of a pixel are averaged as the light of a display, after the tone curve: averaged before it, one sample of the sun's
 //! glitter would outshine all others and its pixel's edges would be as jagged as without.
 
+use crate::headless::Edge;
 use glam::{Vec3, Vec4};
 use half::f16;
 use rayon::prelude::*;
@@ -22,7 +23,7 @@ pub enum Pixels {
 }
 
 /// What turns a tile into pixels.
-pub(super) struct Developer {
+pub(super) struct Developer<'a> {
     pub(super) mode: Mode,
     pub(super) exposure: f32,
     pub(super) ssaa: u32,
@@ -30,24 +31,28 @@ pub(super) struct Developer {
     pub(super) transparent: bool,
     /// Width and height of the picture.
     pub(super) picture: [u32; 2],
+    /// The window that was drawn.
+    pub(super) drawn: &'a Window,
+    /// Which of its pixels show two surfaces; empty where none are mixed.
+    pub(super) edges: Vec<Option<Edge>>,
 }
 
-impl Developer {
-    /// Fills the pixels of a window from its samples, [`Developer::ssaa`] in each direction a pixel.
+impl Developer<'_> {
+    /// Fills the pixels of a window from the samples of what was drawn, [`Developer::ssaa`] in each direction a pixel.
     pub(super) fn develop(&self, samples: &[f32], window: &Window, pixels: &mut Pixels) {
         match pixels {
             Pixels::Eight(all) => self.fill(all, window, |x, y, out| {
                 let noise = if self.mode.is_plain() { 0.0 } else { dither(x, y) };
-                let [r, g, b, alpha] = self.shown(samples, window, [x, y]).to_array();
+                let [r, g, b, alpha] = self.mixed(samples, [x, y]).to_array();
                 let codes = [r, g, b].map(|c| c * 255.0 + noise);
                 out.copy_from_slice(&[codes[0], codes[1], codes[2], alpha * 255.0].map(|c| c.round() as u8));
             }),
             Pixels::Sixteen(all) => self.fill(all, window, |x, y, out| {
-                let shown = self.shown(samples, window, [x, y]);
+                let shown = self.mixed(samples, [x, y]);
                 out.copy_from_slice(&shown.to_array().map(|c| (c * 65535.0).round() as u16));
             }),
             Pixels::Radiance(all) => self.fill(all, window, |x, y, out| {
-                let light = self.mean(samples, window, [x, y], |sample| sample);
+                let light = self.mean(samples, [x, y], |sample| sample);
                 out.copy_from_slice(&light.to_array().map(f16::from_f32));
             }),
         }
@@ -64,13 +69,32 @@ impl Developer {
         });
     }
 
+    /// The encoded colour of a pixel, not multiplied by its alpha; on edges mixed with its neighbour's as `tonemap.frag` does.
+    fn mixed(&self, samples: &[f32], at: [u32; 2]) -> Vec4 {
+        let own = self.shown(samples, at);
+        let [x, y] = [0, 1].map(|k| at[k] - self.drawn.origin[k]);
+        let Some(Some(edge)) = self.edges.get((y * self.drawn.size[0] + x) as usize) else { return own };
+        let beside = [0, 1].map(|k| {
+            let last = self.drawn.origin[k] + self.drawn.size[k] - 1;
+            at[k].saturating_add_signed(edge.neighbour[k]).clamp(self.drawn.origin[k], last)
+        });
+        let other = self.shown(samples, beside);
+        let covered = |color: Vec4| (color.truncate() * color.w).extend(color.w);
+        let sum = covered(own).lerp(covered(other), edge.share);
+        if sum.w > 0.0 {
+            (sum.truncate() / sum.w).extend(sum.w)
+        } else {
+            Vec4::ZERO
+        }
+    }
+
     /// The encoded colour of a pixel, not multiplied by its alpha.
-    fn shown(&self, samples: &[f32], window: &Window, at: [u32; 2]) -> Vec4 {
+    fn shown(&self, samples: &[f32], at: [u32; 2]) -> Vec4 {
         let tone = |sample: Vec4| display(self.mode, self.exposure, sample.truncate());
         if self.ssaa == 1 && !self.transparent {
-            return tone(self.sample(samples, window, at, [0, 0])).extend(1.0);
+            return tone(self.sample(samples, at, [0, 0])).extend(1.0);
         }
-        let light = self.mean(samples, window, at, |sample| {
+        let light = self.mean(samples, at, |sample| {
             let shown = tone(sample);
             // Light is never more than it covers: it is added to nothing.
             let cover = if sample.w > 0.0 { sample.w.max(shown.max_element()) } else { 0.0 };
@@ -84,20 +108,20 @@ impl Developer {
         (shown / cover).min(Vec3::ONE).extend(cover)
     }
 
-    fn mean(&self, samples: &[f32], window: &Window, at: [u32; 2], value: impl Fn(Vec4) -> Vec4) -> Vec4 {
+    fn mean(&self, samples: &[f32], at: [u32; 2], value: impl Fn(Vec4) -> Vec4) -> Vec4 {
         let mut sum = Vec4::ZERO;
         for j in 0..self.ssaa {
             for i in 0..self.ssaa {
-                sum += value(self.sample(samples, window, at, [i, j]));
+                sum += value(self.sample(samples, at, [i, j]));
             }
         }
         sum / (self.ssaa * self.ssaa) as f32
     }
 
     /// One sample of a pixel; opaque unless the picture is transparent, and nothing at all where that is empty.
-    fn sample(&self, samples: &[f32], window: &Window, at: [u32; 2], [i, j]: [u32; 2]) -> Vec4 {
-        let [x, y] = [(at[0] - window.origin[0]) * self.ssaa + i, (at[1] - window.origin[1]) * self.ssaa + j];
-        let first = 4 * (y as usize * (window.size[0] * self.ssaa) as usize + x as usize);
+    fn sample(&self, samples: &[f32], at: [u32; 2], [i, j]: [u32; 2]) -> Vec4 {
+        let [x, y] = [(at[0] - self.drawn.origin[0]) * self.ssaa + i, (at[1] - self.drawn.origin[1]) * self.ssaa + j];
+        let first = 4 * (y as usize * (self.drawn.size[0] * self.ssaa) as usize + x as usize);
         let sample = Vec4::from_slice(&samples[first..first + 4]);
         match sample.w {
             _ if !self.transparent => sample.truncate().extend(1.0),
@@ -111,13 +135,15 @@ impl Developer {
 mod tests {
     use super::*;
 
-    fn developer(ssaa: u32, transparent: bool) -> Developer {
-        Developer { mode: Mode::Depth, exposure: 1.0, ssaa, transparent, picture: [1, 1] }
+    const PIXEL: Window = Window { origin: [0; 2], size: [1; 2] };
+
+    fn developer(ssaa: u32, transparent: bool) -> Developer<'static> {
+        Developer { mode: Mode::Depth, exposure: 1.0, ssaa, transparent, picture: [1, 1], drawn: &PIXEL, edges: Vec::new() }
     }
 
-    fn sixteen(developer: &Developer, samples: &[f32]) -> Vec<u16> {
+    fn sixteen(developer: &Developer<'_>, samples: &[f32]) -> Vec<u16> {
         let mut pixels = Pixels::Sixteen(vec![7; 4]);
-        developer.develop(samples, &Window::whole([1, 1]), &mut pixels);
+        developer.develop(samples, &PIXEL, &mut pixels);
         let Pixels::Sixteen(pixels) = pixels else { unreachable!() };
         pixels
     }

@@ -18,6 +18,7 @@ use develop::Developer;
 use half::f16;
 use std::sync::Arc;
 use terrane_planet::draw::cut::Cut;
+use terrane_planet::draw::layout::EDGE_REACH;
 use terrane_planet::draw::view::{View, Window};
 
 /// Side in pixels of the largest tile unless told otherwise: 150 MB of images.
@@ -31,6 +32,10 @@ pub const MOST_SSAA: u32 = 4;
 
 /// Most pixels a side of the picture that exposure is metered in before one is drawn by tiles.
 const METERED_SIDE: u32 = 1024;
+
+/// Pixels around each tile that its edges may depend on: how far their ends are looked for, and what tells surfaces apart. Even, as
+/// pixels are shaded in squares of two.
+const EDGE_MARGIN: u32 = EDGE_REACH as u32 + 4;
 
 /// What the pixels of a picture are.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +53,8 @@ pub enum PixelFormat {
 pub struct StillOptions {
     /// Samples a pixel in each direction, from 1 to [`MOST_SSAA`].
     pub ssaa: u32,
-    /// Most pixels of a tile's side, samples counted, within [`TILE_RANGE`].
+    /// Most pixels of a tile's side, samples counted, within [`TILE_RANGE`]; with one sample a pixel what is drawn for its edges around
+    /// each tile comes on top.
     pub tile: u32,
     /// What the pixels are.
     pub format: PixelFormat,
@@ -60,6 +66,13 @@ pub struct StillOptions {
 impl Default for StillOptions {
     fn default() -> StillOptions {
         StillOptions { ssaa: 1, tile: TILE, format: PixelFormat::Eight, transparent: false }
+    }
+}
+
+impl StillOptions {
+    /// Whether pixels that show two surfaces are mixed: not where there are several samples anyway, and not in radiance.
+    fn has_edges(&self) -> bool {
+        self.ssaa == 1 && self.format != PixelFormat::Radiance
     }
 }
 
@@ -86,7 +99,8 @@ pub struct Studio {
     headless: Headless,
     /// Width and height of what is drawn at once, in samples.
     raster: (u32, u32),
-    windows: Vec<Window>,
+    /// The parts of the picture, and what is drawn of each.
+    windows: Vec<[Window; 2]>,
     size: [u32; 2],
     options: StillOptions,
 }
@@ -96,11 +110,13 @@ impl Studio {
     pub fn new(context: &Arc<Context>, size: [u32; 2], options: StillOptions) -> Result<Studio, SceneError> {
         let options = StillOptions {
             ssaa: options.ssaa.clamp(1, MOST_SSAA),
-            tile: options.tile.clamp(TILE_RANGE.0, TILE_RANGE.1).min(context.limits().max_image_dimension2_d),
+            tile: options.tile.clamp(TILE_RANGE.0, TILE_RANGE.1).min(context.limits().max_image_dimension2_d - 2 * EDGE_MARGIN),
             ..options
         };
-        let windows = tiles::windows(size, options.ssaa, options.tile);
-        let [width, height] = windows[0].size.map(|side| side * options.ssaa);
+        let kept = tiles::windows(size, options.ssaa, options.tile);
+        let drawn = tiles::drawn(&kept, size, if options.has_edges() { EDGE_MARGIN } else { 0 });
+        let [width, height] = drawn[0].size.map(|side| side * options.ssaa);
+        let windows = kept.into_iter().zip(drawn).map(<[Window; 2]>::from).collect();
         let mut headless = Headless::new(context, (width, height))?;
         headless.renderer.starry = !options.transparent;
         Ok(Studio { headless, raster: (width, height), windows, size, options })
@@ -128,14 +144,14 @@ impl Studio {
             false => self.headless.select_seen(scene, view, cut, look)?,
         };
         let mut dropped_triangles = if whole { dropped(&report.counters) } else { 0 };
-        for (done, window) in self.windows.iter().enumerate() {
+        for (done, windows) in self.windows.iter().enumerate() {
             if !whole {
-                let (times, counters) = self.headless.render_part(scene, &view.through(*window), &report.tables, look)?;
+                let (times, counters) = self.headless.render_part(scene, &view.through(windows[1]), &report.tables, look)?;
                 report.times.zones.extend(times.zones);
                 report.times.wall_ms += times.wall_ms;
                 dropped_triangles += dropped(&counters);
             }
-            self.take(window, look, &mut pixels)?;
+            self.take(windows, look, &mut pixels)?;
             progress(done + 1, self.windows.len());
         }
         let exposure = self.headless.exposure()?;
@@ -158,15 +174,18 @@ impl Studio {
     }
 
     /// Fills a window's pixels from what was drawn last.
-    fn take(&self, window: &Window, look: &Look, pixels: &mut Pixels) -> Result<(), SceneError> {
+    fn take(&self, windows: &[Window; 2], look: &Look, pixels: &mut Pixels) -> Result<(), SceneError> {
         let StillOptions { ssaa, transparent, .. } = self.options;
         match pixels {
             // What windows show.
-            Pixels::Eight(all) if ssaa == 1 && !transparent => copy_tile(&self.headless.pixels()?, window, all, self.size),
+            Pixels::Eight(all) if ssaa == 1 && !transparent => copy_tile(&self.headless.pixels()?, windows, all, self.size),
             _ => {
                 let exposure = self.headless.exposure()?;
-                let developer = Developer { mode: look.mode, exposure, ssaa, transparent, picture: self.size };
-                developer.develop(&self.headless.radiance()?, window, pixels);
+                let has_edges = self.options.has_edges() && !look.mode.is_plain();
+                let edges = if has_edges { self.headless.edges()? } else { Vec::new() };
+                let [kept, drawn] = windows;
+                let developer = Developer { mode: look.mode, exposure, ssaa, transparent, picture: self.size, drawn, edges };
+                developer.develop(&self.headless.radiance()?, kept, pixels);
             }
         }
         Ok(())
@@ -177,12 +196,14 @@ fn dropped(counters: &terrane_planet::draw::layout::EmitState) -> u64 {
     u64::from(counters.wanted.saturating_sub(counters.capacity))
 }
 
-/// Copies a tile to where its window lies.
-fn copy_tile(tile: &[u8], window: &Window, all: &mut [u8], picture: [u32; 2]) {
-    let [left, top, width] = [window.origin[0], window.origin[1], window.size[0]].map(|n| n as usize);
-    let seen = 4 * width.min(picture[0] as usize - left);
-    let rows = all.chunks_exact_mut(4 * picture[0] as usize).skip(top);
-    for (row, from) in rows.zip(tile.chunks_exact(4 * width)) {
-        row[4 * left..][..seen].copy_from_slice(&from[..seen]);
+/// Copies what is kept of a tile to where it lies in the picture.
+fn copy_tile(tile: &[u8], [kept, drawn]: &[Window; 2], all: &mut [u8], picture: [u32; 2]) {
+    let [left, top, width, skipped] =
+        [kept.origin[0], kept.origin[1], drawn.size[0], kept.origin[0] - drawn.origin[0]].map(|n| 4 * n as usize);
+    let seen = 4 * kept.size[0].min(picture[0] - kept.origin[0]) as usize;
+    let rows = all.chunks_exact_mut(4 * picture[0] as usize).skip(top / 4).take(kept.size[1] as usize);
+    let from = tile.chunks_exact(width).skip((kept.origin[1] - drawn.origin[1]) as usize);
+    for (row, from) in rows.zip(from) {
+        row[left..][..seen].copy_from_slice(&from[skipped..][..seen]);
     }
 }

@@ -19,9 +19,42 @@ pub(super) fn windows(picture: [u32; 2], ssaa: u32, most: u32) -> Vec<Window> {
     rows.flat_map(|y| (0..picture[0]).step_by(size[0] as usize).map(move |x| Window { origin: [x, y], size })).collect()
 }
 
+/// The windows that are drawn so that every pixel of some windows of a picture has the pixels around it: `margin` to each side (an even
+/// number), or as far as the picture goes. All are of one size.
+pub(super) fn drawn(windows: &[Window], picture: [u32; 2], margin: u32) -> Vec<Window> {
+    if windows.len() == 1 {
+        return windows.to_vec();
+    }
+    let whole = picture.map(|side| side.next_multiple_of(STEP));
+    let widened = |window: &Window| {
+        let size = [0, 1].map(|k| (window.size[k] + 2 * margin).min(whole[k].max(window.size[k])));
+        let origin = [0, 1].map(|k| window.origin[k].saturating_sub(margin).min(whole[k].saturating_sub(size[k])));
+        Window { origin, size }
+    };
+    windows.iter().map(widened).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn drawn_windows_hold_a_margin_as_far_as_the_picture_goes() {
+        for (picture, most, margin) in
+            [([3840, 2160], 2048, 132), ([151, 98], 64, 132), ([130, 16], 64, 10), ([999, 301], 100, 0)]
+        {
+            let kept = windows(picture, 1, most);
+            let drawn = drawn(&kept, picture, margin);
+            assert!(drawn.iter().all(|window| window.size == drawn[0].size && window.size.iter().all(|side| side % 2 == 0)));
+            for (kept, drawn) in kept.iter().zip(&drawn) {
+                for (k, side) in picture.into_iter().enumerate() {
+                    let end = (kept.origin[k] + kept.size[k]).min(side);
+                    assert!(drawn.origin[k] <= kept.origin[k].saturating_sub(margin) && drawn.origin[k] % 2 == 0);
+                    assert!(drawn.origin[k] + drawn.size[k] >= (end + margin).min(side), "{kept:?} {drawn:?}");
+                }
+            }
+        }
+    }
 
     #[test]
     fn every_pixel_is_in_one_window_and_no_window_is_too_large() {

@@ -82,6 +82,9 @@ shared_constants! {
     /// Interleaved gradient noise (Jimenez 2014): weights of column and row, and the factor on what they give.
     DITHER: [f32; 3] = [0.067_110_56, 0.005_837_15, 52.982_918];
 
+    /// Most pixels along an edge, each way, after which its ends are looked for no more.
+    EDGE_REACH: i32 = 128;
+
     /// Width and height of a character of the overlay, in unscaled pixels.
     TEXT_CELL: [u32; 2] = [8, 10];
     /// Bits of a character's column, and as many of its row, in its word; its code is above them.
