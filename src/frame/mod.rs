@@ -27,7 +27,7 @@ mod tonemap;
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
 #[cfg(feature = "app")]
 pub use overlay::Overlay;
-pub use shading::{shading, sun_over, Look, DAYLIGHT};
+pub use shading::{shading, sun_over, Look};
 pub use stage::{PerStage, Stage};
 pub use tables::{FrameTables, MeshTasks};
 pub use targets::{Targets, DEPTH_FORMAT, RADIANCE_FORMAT};

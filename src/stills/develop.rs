@@ -7,6 +7,7 @@ use glam::{Vec3, Vec4};
 use half::f16;
 use rayon::prelude::*;
 use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::tone::Curve;
 use terrane_planet::draw::view::Window;
 use terrane_planet::reference::tonemap::{decode_srgb, display, dither, encode_srgb};
 
@@ -25,6 +26,7 @@ pub enum Pixels {
 pub(super) struct Developer {
     pub(super) mode: Mode,
     pub(super) exposure: f32,
+    pub(super) curve: Curve,
     pub(super) ssaa: u32,
     /// Whether what lies behind the picture shows through it.
     pub(super) transparent: bool,
@@ -66,7 +68,7 @@ impl Developer {
 
     /// The encoded colour of a pixel, not multiplied by its alpha.
     fn shown(&self, samples: &[f32], window: &Window, at: [u32; 2]) -> Vec4 {
-        let tone = |sample: Vec4| display(self.mode, self.exposure, sample.truncate());
+        let tone = |sample: Vec4| display(self.mode, &self.curve, self.exposure, sample.truncate());
         if self.ssaa == 1 && !self.transparent {
             return tone(self.sample(samples, window, at, [0, 0])).extend(1.0);
         }
@@ -110,9 +112,10 @@ impl Developer {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrane_planet::draw::layout::Tone;
 
     fn developer(ssaa: u32, transparent: bool) -> Developer {
-        Developer { mode: Mode::Depth, exposure: 1.0, ssaa, transparent, picture: [1, 1] }
+        Developer { mode: Mode::Depth, exposure: 1.0, curve: Curve::new(Tone::Neutral, 0.85), ssaa, transparent, picture: [1, 1] }
     }
 
     fn sixteen(developer: &Developer, samples: &[f32]) -> Vec<u16> {
