@@ -31,7 +31,8 @@ vec3 neutral(vec3 color) {
     vec2 bend = above < 0.0 ? TONE_SHADOWS : shading.bend.yz;
     float lift = bend.x * above * inversesqrt(1.0 + (above / bend.y) * (above / bend.y));
     float saturation = 1.0 + TONE_SATURATION * TONE_GREY / (TONE_GREY + luminance);
-    vec3 vivid = max(luminance + saturation * (color - luminance), 0.0);
+    // As a power of ratios: no channel falls below nothing, as it would by a factor on differences.
+    vec3 vivid = luminance * pow(max(color, 0.0) / luminance, vec3(saturation));
     return shoulder(vivid * (shading.bend.x / TONE_GREY * exp(lift)));
 }
 

@@ -1,4 +1,4 @@
-//! Metered exposure and stars: nights become readable but stay darker than days, the same picture is exposed the same every time, and
+//! Exposure by the picture itself and stars: nights become readable but stay darker than days, the same picture is exposed the same every time, and
 //! stars do not twinkle when the camera turns.
 
 use crate::harness::{device, planet_file};

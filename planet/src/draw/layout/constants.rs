@@ -71,9 +71,9 @@ shared_constants! {
     TONE_GREY: f32 = 0.18;
     /// What the curve adds to the slope of the logarithm of light just below grey, and over how many powers of e that goes on: then
     /// shadows run parallel to what they were, so that nights keep their detail.
-    TONE_SHADOWS: [f32; 2] = [0.65, 1.3];
-    /// What is added to the factor on differences from grey where it is dark; half as much at middle grey, and little in the light.
-    TONE_SATURATION: f32 = 0.5;
+    TONE_SHADOWS: [f32; 2] = [0.72, 1.25];
+    /// What is added to the power of channels over luminance where it is dark; half as much at middle grey, and little in the light.
+    TONE_SATURATION: f32 = 0.3;
     /// Where the shoulder begins that leads to 1, of the brightest channel (as in PBR Neutral, Khronos 2024).
     TONE_SHOULDER: f32 = 0.76;
     /// How fast what lies beyond it pales.
