@@ -108,7 +108,7 @@ fn read(path: &Path) -> anyhow::Result<Shot> {
 }
 
 fn attribute<'a>(attributes: &'a LayerAttributes, name: &str) -> anyhow::Result<&'a AttributeValue> {
-    let found = attributes.other.iter().find(|(key, _)| key.to_string() == name);
+    let found = attributes.other.iter().find(|(key, _)| **key == *name);
     found.map(|(_, value)| value).with_context(|| format!("no {name} in the header"))
 }
 

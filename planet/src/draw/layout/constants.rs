@@ -73,7 +73,7 @@ shared_constants! {
     /// shadows run parallel to what they were, so that nights keep their detail.
     TONE_SHADOWS: [f32; 2] = [0.72, 1.25];
     /// What is added to the power of channels over luminance where it is dark; half as much at middle grey, and little in the light.
-    TONE_SATURATION: f32 = 0.3;
+    TONE_SATURATION: f32 = 0.42;
     /// Where the shoulder begins that leads to 1, of the brightest channel (as in PBR Neutral, Khronos 2024).
     TONE_SHOULDER: f32 = 0.76;
     /// How fast what lies beyond it pales.
