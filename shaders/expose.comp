@@ -1,5 +1,5 @@
 #version 460
-// The factor on exposure, from the histogram of luminance: the mean of the brighter half of what is not black, without the brightest
+// A further factor on exposure, from the histogram of luminance: the mean of the brighter half of what is not black, without the brightest
 // fiftieth, which is sun and glints.
 #include "shading.glsl"
 #include "metering.glsl"
@@ -8,8 +8,8 @@ layout(local_size_x = 1) in;
 layout(scalar, binding = 1) readonly buffer Histogram { uint bins[]; };
 layout(scalar, binding = 2) buffer Exposure { float factor; };
 
-// Luminance that needs no correction: that of a landscape in daylight.
-const float USUAL = 0.45;
+// Luminance after exposure that needs no correction: that of a landscape in daylight.
+const float USUAL = 0.2;
 // Share of stops that is made up for: less than all, so that nights stay darker than days.
 const float CORRECTION = 0.6;
 const vec2 LIMITS = vec2(0.2, 16.0);
@@ -25,7 +25,8 @@ void main() {
         weight += inside;
         seen += count;
     }
-    float goal = weight > 0.0 ? clamp(pow(USUAL / luminance_of(sum / weight), CORRECTION), LIMITS.x, LIMITS.y) : 1.0;
+    float usual = USUAL / max(shading.exposure, 1e-6);
+    float goal = weight > 0.0 ? clamp(pow(usual / luminance_of(sum / weight), CORRECTION), LIMITS.x, LIMITS.y) : 1.0;
     // Eyes adapt by ratios.
     factor = shading.adaptation >= 1.0 ? goal : factor * pow(goal / factor, shading.adaptation);
 }

@@ -164,6 +164,10 @@ void main() {
     words[at++] = bits(shading.window.w);
     words[at++] = bits(shading.ground_albedo);
     words[at++] = bits(shading.exposure);
+    words[at++] = bits(shading.tone);
+    words[at++] = bits(shading.bend.x);
+    words[at++] = bits(shading.bend.y);
+    words[at++] = bits(shading.bend.z);
     words[at++] = bits(shading.adaptation);
     words[at++] = bits(shading.time);
     words[at++] = bits(shading.anchor.x);

@@ -1,10 +1,10 @@
 #version 460
-// From radiance to an 8-bit picture: exposure, a filmic curve, our own sRGB encoding, and a dither of one step against banding, which
-// is a function of the pixel alone.
+// From radiance to an 8-bit picture: exposure, a tone curve, our own sRGB encoding, and a dither of one step against banding, which is
+// a function of the pixel alone.
 //
-// The curve is that of AgX (Sobotka 2022) in Wrensch's fit: channels are mixed a little before it and unmixed after it, so that bright
-// colours pale towards white instead of turning to another hue, as the yellow and cyan of curves on each channel alone. Its
-// result is encoded already. Contrast and saturation are about those of its look "punchy".
+// The usual curve is an S about middle grey on the luminance, so that hues stay, and then the shoulder of PBR Neutral (Khronos 2024) on
+// the brightest channel, in which colours pale towards white instead of turning to another hue. The other is that of AgX (Sobotka 2022)
+// in Wrensch's fit, whose result is encoded already. Its contrast and saturation are about those of its look "punchy".
 #include "shading.glsl"
 #include "edges.glsl"
 
@@ -15,15 +15,35 @@ layout(scalar, binding = 2) readonly buffer Exposure { float factor; };
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
 
-// The encoded display value of a radiance.
-vec3 filmic(vec3 color) {
-    vec3 x = clamp((log2(max(TONE_MIX * color, 1e-10)) - TONE_RANGE.x) / (TONE_RANGE.y - TONE_RANGE.x), 0.0, 1.0);
+// What is brighter than the straight part reaches 1 only in the end, and pales on the way.
+vec3 shoulder(vec3 color) {
+    float peak = max(color.r, max(color.g, color.b));
+    if (peak <= TONE_SHOULDER) return color;
+    float room = 1.0 - TONE_SHOULDER;
+    float lower = 1.0 - room * room / (peak + room - TONE_SHOULDER);
+    float kept = 1.0 / (TONE_PALING * (peak - lower) + 1.0);
+    return mix(vec3(lower), color * (lower / peak), kept);
+}
+
+vec3 neutral(vec3 color) {
+    float luminance = max(dot(color, LUMINANCE), 1e-10);
+    float above = log(luminance / TONE_GREY);
+    vec2 bend = above < 0.0 ? TONE_SHADOWS : shading.bend.yz;
+    float lift = bend.x * above * inversesqrt(1.0 + (above / bend.y) * (above / bend.y));
+    float saturation = 1.0 + TONE_SATURATION * TONE_GREY / (TONE_GREY + luminance);
+    // As a power of ratios: no channel falls below nothing, as it would by a factor on differences.
+    vec3 vivid = luminance * pow(max(color, 0.0) / luminance, vec3(saturation));
+    return shoulder(vivid * (shading.bend.x / TONE_GREY * exp(lift)));
+}
+
+vec3 agx(vec3 color) {
+    vec3 x = clamp((log2(max(AGX_MIX * color * AGX_EXPOSURE, 1e-10)) - AGX_RANGE.x) / (AGX_RANGE.y - AGX_RANGE.x), 0.0, 1.0);
     vec3 x2 = x * x, x4 = x2 * x2;
-    x = TONE_CURVE[0] * x4 * x2 + TONE_CURVE[1] * x4 * x + TONE_CURVE[2] * x4 + TONE_CURVE[3] * x2 * x + TONE_CURVE[4] * x2
-        + TONE_CURVE[5] * x + TONE_CURVE[6];
-    x = pow(max(x, 0.0), vec3(TONE_CONTRAST));
+    x = AGX_CURVE[0] * x4 * x2 + AGX_CURVE[1] * x4 * x + AGX_CURVE[2] * x4 + AGX_CURVE[3] * x2 * x + AGX_CURVE[4] * x2
+        + AGX_CURVE[5] * x + AGX_CURVE[6];
+    x = pow(max(x, 0.0), vec3(AGX_CONTRAST));
     float grey = dot(x, LUMINANCE);
-    return clamp(TONE_UNMIX * (grey + TONE_SATURATION * (x - grey)), 0.0, 1.0);
+    return clamp(AGX_UNMIX * (grey + AGX_SATURATION * (x - grey)), 0.0, 1.0);
 }
 
 vec3 encode_srgb(vec3 x) {
@@ -35,7 +55,7 @@ vec3 shown_at(ivec2 pixel) {
     if (is_plain(shading.mode)) return color;
     if (shading.mode == MODE_ALBEDO) return encode_srgb(clamp(color, 0.0, 1.0));
     float exposure = shading.adaptation < 0.0 ? shading.exposure : shading.exposure * factor;
-    return filmic(color * exposure);
+    return shading.tone == TONE_AGX ? agx(color * exposure) : encode_srgb(neutral(color * exposure));
 }
 
 void main() {

@@ -166,14 +166,17 @@ impl Headless {
         self.renderer.shading()
     }
 
-    /// Factor from radiance to display of the latest picture, metered if it was.
+    /// Factor from radiance to what the tone curve took in the latest picture.
     pub fn exposure(&self) -> Result<f32, SceneError> {
-        let shading = self.shading();
-        if shading.adaptation < 0.0 {
-            return Ok(shading.exposure);
+        Ok(self.shading().exposure * self.metered()?)
+    }
+
+    /// The part of it that the latest picture asked for itself: 1 where it was not metered.
+    pub(crate) fn metered(&self) -> Result<f32, SceneError> {
+        if self.shading().adaptation < 0.0 {
+            return Ok(1.0);
         }
-        let factor = download::<f32>(&self.context, self.renderer.metered_factor(), 1)?;
-        Ok(shading.exposure * factor.first().copied().unwrap_or(1.0))
+        Ok(download::<f32>(&self.context, self.renderer.metered_factor(), 1)?.first().copied().unwrap_or(1.0))
     }
 
     /// Where the latest picture shows ground: its depth (near plane over distance), 0 where there is none, row by row.

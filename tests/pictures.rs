@@ -58,7 +58,7 @@ const SHOTS: [Shot; 9] = [
         view: &["--at", "44.73,53.97,1500", "--look", "76,-2", "--sun", "160,20", "--clear-sky"],
     },
     Shot { name: "ground", planet: "terra", view: &["--at", "-38.95,34.34,60", "--look", "300,-5"] },
-    Shot { name: "luna", planet: "luna", view: &["--at", "20,10,3000000", "--exposure", "1.5"] },
+    Shot { name: "luna", planet: "luna", view: &["--at", "20,10,3000000"] },
     Shot { name: "mars", planet: "mars", view: &["--at", "-5,-75,6500000"] },
 ];
 

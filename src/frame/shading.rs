@@ -1,7 +1,9 @@
 //! What shading needs to know of planet, camera and sun.
 
 use glam::DVec3;
-use terrane_planet::draw::layout::{Mode, Shading, NO_SEA};
+use terrane_planet::draw::layout::{Mode, Shading, Tone, NO_SEA};
+use terrane_planet::draw::meter;
+use terrane_planet::draw::tone::Curve;
 use terrane_planet::draw::view::{local_frame, View};
 use terrane_planet::maps::waves::{total_variance, REPEAT_M};
 use terrane_planet::recipe::{Atmosphere, Recipe};
@@ -19,21 +21,20 @@ pub struct Look {
     pub mode: Mode,
     /// Unit vector towards the sun, planet-fixed.
     pub sun: DVec3,
-    /// Factor from radiance to display; where exposure is metered, a factor on what the meter says.
+    /// Factor on the exposure that the light at the site below the camera asks for ([`meter::exposure`]).
     pub exposure: f32,
-    /// How far metered exposure goes to its goal in this frame, from 0 to 1; none where exposure is fixed.
+    /// The curve from exposed light to the display.
+    pub tone: Tone,
+    /// How far exposure by the picture itself goes to its goal in this frame, from 0 to 1; none: it counts for nothing.
     pub metering: Option<f32>,
     /// Whether clouds are drawn, and cast shadows, where the planet has any.
     pub clouds: bool,
 }
 
-/// Factor from radiance to display for pictures in daylight.
-pub const DAYLIGHT: f32 = 1.1;
-
 impl Look {
-    /// The shaded ground under its clouds, exposed for daylight. `sun` is the unit vector towards the sun.
+    /// The shaded ground under its clouds, exposed for the light there. `sun` is the unit vector towards the sun.
     pub const fn daylight(sun: DVec3) -> Look {
-        Look { mode: Mode::Shaded, sun, exposure: DAYLIGHT, metering: None, clouds: true }
+        Look { mode: Mode::Shaded, sun, exposure: 1.0, tone: Tone::Neutral, metering: None, clouds: true }
     }
 }
 
@@ -63,7 +64,9 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
         up: vector(camera.up * v),
         sea_level: NO_SEA,
         forward: vector(camera.forward),
-        exposure: look.exposure,
+        exposure: look.exposure * meter::exposure(recipe, camera.position, look.sun) as f32,
+        tone: look.tone as u32,
+        bend: Curve::new(look.tone, recipe.white).bend,
         vertical: vector(frame.z_axis),
         sunward: vector(sunward),
         adaptation: look.metering.unwrap_or(-1.0),
@@ -109,4 +112,47 @@ fn add_air(shading: &mut Shading, air: &Atmosphere, lowest: f64) {
     let eye = f64::from(shading.height_m).clamp(bottom, top) - bottom;
     let lowest = f64::from(shading.radius) + bottom;
     shading.horizon = -((eye * (2.0 * lowest + eye)).sqrt() / (lowest + eye)).asin() as f32;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::PI;
+    use terrane_planet::draw::layout::{LUMINANCE, NIGHT, SUN};
+    use terrane_planet::recipe::shipped;
+    use terrane_planet::reference::air::Air;
+
+    /// Irradiance of sun and sky on a level card, by brute force.
+    fn irradiance(air: &Air, radius: f64, elevation: f64) -> f64 {
+        let (site, sun) = (DVec3::Z * radius, DVec3::new(elevation.cos(), 0.0, elevation.sin()));
+        let luminance = |c: DVec3| c.dot(DVec3::from_array(LUMINANCE.map(f64::from)));
+        let mut light = SUN * elevation.sin() * luminance(air.before(site, sun, f64::INFINITY, sun).1);
+        for layer in 0..12 {
+            for turn in 0..24 {
+                let (z, azimuth) = (((f64::from(layer) + 0.5) / 12.0).sqrt(), PI * (f64::from(turn) + 0.5) / 12.0);
+                let ray = DVec3::new((1.0 - z * z).sqrt() * azimuth.cos(), (1.0 - z * z).sqrt() * azimuth.sin(), z);
+                light += PI / 288.0 * luminance(air.before(site, ray, f64::INFINITY, sun).0);
+            }
+        }
+        light - luminance(DVec3::from_array(NIGHT))
+    }
+
+    #[test]
+    fn the_meter_knows_the_light_of_sun_and_sky() {
+        for name in ["terra", "mars", "tiny"] {
+            let recipe = shipped::load(name).unwrap();
+            let mut block = Shading { radius: recipe.radius as f32, sea_level: NO_SEA, ..Shading::default() };
+            if let Some(sea) = &recipe.sea {
+                block.sea_level = sea.level_m as f32;
+            }
+            add_air(&mut block, recipe.atmosphere.as_ref().unwrap(), 0.0);
+            let air = Air::new(&block).unwrap();
+            for degrees in [12.0f64, 20.0, 45.0, 90.0] {
+                let expected = irradiance(&air, recipe.radius, degrees.to_radians());
+                let found = meter::irradiance(&recipe, degrees.to_radians().sin());
+                println!("{name} {degrees}: {found:.3}, {expected:.3}, {:.3}", found / expected);
+                assert!((found / expected - 1.0).abs() < 0.07, "{name} at {degrees} degrees: {found}, by brute force {expected}");
+            }
+        }
+    }
 }

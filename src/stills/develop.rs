@@ -8,6 +8,7 @@ use glam::{Vec3, Vec4};
 use half::f16;
 use rayon::prelude::*;
 use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::tone::Curve;
 use terrane_planet::draw::view::Window;
 use terrane_planet::reference::tonemap::{decode_srgb, display, dither, encode_srgb};
 
@@ -26,6 +27,7 @@ pub enum Pixels {
 pub(super) struct Developer<'a> {
     pub(super) mode: Mode,
     pub(super) exposure: f32,
+    pub(super) curve: Curve,
     pub(super) ssaa: u32,
     /// Whether what lies behind the picture shows through it.
     pub(super) transparent: bool,
@@ -90,7 +92,7 @@ impl Developer<'_> {
 
     /// The encoded colour of a pixel, not multiplied by its alpha.
     fn shown(&self, samples: &[f32], at: [u32; 2]) -> Vec4 {
-        let tone = |sample: Vec4| display(self.mode, self.exposure, sample.truncate());
+        let tone = |sample: Vec4| display(self.mode, &self.curve, self.exposure, sample.truncate());
         if self.ssaa == 1 && !self.transparent {
             return tone(self.sample(samples, at, [0, 0])).extend(1.0);
         }
@@ -134,11 +136,21 @@ impl Developer<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrane_planet::draw::layout::Tone;
 
     const PIXEL: Window = Window { origin: [0; 2], size: [1; 2] };
 
     fn developer(ssaa: u32, transparent: bool) -> Developer<'static> {
-        Developer { mode: Mode::Depth, exposure: 1.0, ssaa, transparent, picture: [1, 1], drawn: &PIXEL, edges: Vec::new() }
+        Developer {
+            mode: Mode::Depth,
+            exposure: 1.0,
+            curve: Curve::new(Tone::Neutral, 0.85),
+            ssaa,
+            transparent,
+            picture: [1, 1],
+            drawn: &PIXEL,
+            edges: Vec::new(),
+        }
     }
 
     fn sixteen(developer: &Developer<'_>, samples: &[f32]) -> Vec<u16> {

@@ -18,7 +18,8 @@ use develop::Developer;
 use half::f16;
 use std::sync::Arc;
 use terrane_planet::draw::cut::Cut;
-use terrane_planet::draw::layout::EDGE_REACH;
+use terrane_planet::draw::layout::{Mode, EDGE_REACH};
+use terrane_planet::draw::tone::Curve;
 use terrane_planet::draw::view::{View, Window};
 
 /// Side in pixels of the largest tile unless told otherwise: 150 MB of images.
@@ -84,8 +85,10 @@ pub struct Still {
     pub pixels: Pixels,
     /// Whether their alpha says anything.
     pub transparent: bool,
-    /// Factor from radiance to display.
+    /// Factor from radiance to what the tone curve took.
     pub exposure: f32,
+    /// The tone curve.
+    pub curve: Curve,
     /// The frame; times are the sums over all tiles.
     pub report: FrameReport,
     /// Triangles that did not fit into the index buffer, over all tiles.
@@ -137,6 +140,7 @@ impl Studio {
             PixelFormat::Sixteen => Pixels::Sixteen(vec![0; count]),
             PixelFormat::Radiance => Pixels::Radiance(vec![f16::ZERO; count]),
         };
+        let curve = Curve::new(look.tone, scene.planet().recipe.white);
         let whole = self.windows.len() == 1;
         let look = &if whole { *look } else { self.metered(scene, view, cut, look)? };
         let mut report = match whole {
@@ -151,15 +155,15 @@ impl Studio {
                 report.times.wall_ms += times.wall_ms;
                 dropped_triangles += dropped(&counters);
             }
-            self.take(windows, look, &mut pixels)?;
+            self.take(windows, look.mode, curve, &mut pixels)?;
             progress(done + 1, self.windows.len());
         }
         let exposure = self.headless.exposure()?;
         let transparent = self.options.transparent;
-        Ok(Still { size: self.size, pixels, transparent, exposure, report, dropped_triangles, tiles: self.windows.len() })
+        Ok(Still { size: self.size, pixels, transparent, exposure, curve, report, dropped_triangles, tiles: self.windows.len() })
     }
 
-    /// The look with its exposure fixed at what a small picture of the whole view asks for: tiles metered by themselves would differ.
+    /// The look with its exposure changed as a small picture of the whole view asks for: tiles metered by themselves would differ.
     fn metered(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look) -> Result<Look, SceneError> {
         if look.metering.is_none() {
             return Ok(*look);
@@ -168,23 +172,23 @@ impl Studio {
         let [width, height] = self.size.map(|side| side.div_ceil(larger));
         self.headless.resize((width, height))?;
         self.headless.render(scene, view, cut, look)?;
-        let exposure = self.headless.exposure()?;
+        let exposure = look.exposure * self.headless.metered()?;
         self.headless.resize(self.raster)?;
         Ok(Look { exposure, metering: None, ..*look })
     }
 
     /// Fills a window's pixels from what was drawn last.
-    fn take(&self, windows: &[Window; 2], look: &Look, pixels: &mut Pixels) -> Result<(), SceneError> {
+    fn take(&self, windows: &[Window; 2], mode: Mode, curve: Curve, pixels: &mut Pixels) -> Result<(), SceneError> {
         let StillOptions { ssaa, transparent, .. } = self.options;
         match pixels {
             // What windows show.
             Pixels::Eight(all) if ssaa == 1 && !transparent => copy_tile(&self.headless.pixels()?, windows, all, self.size),
             _ => {
                 let exposure = self.headless.exposure()?;
-                let has_edges = self.options.has_edges() && !look.mode.is_plain();
+                let has_edges = self.options.has_edges() && !mode.is_plain();
                 let edges = if has_edges { self.headless.edges()? } else { Vec::new() };
                 let [kept, drawn] = windows;
-                let developer = Developer { mode: look.mode, exposure, ssaa, transparent, picture: self.size, drawn, edges };
+                let developer = Developer { mode: mode, exposure, curve, ssaa, transparent, picture: self.size, drawn, edges };
                 developer.develop(&self.headless.radiance()?, kept, pixels);
             }
         }

@@ -19,7 +19,6 @@ use std::collections::hash_map::{Entry, HashMap};
 use std::path::Path;
 use std::sync::Arc;
 use terrane_planet::draw::cut::at_data_rim;
-use terrane_planet::draw::layout::Mode;
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::lattice::Lattice;
@@ -35,7 +34,7 @@ use twins::{differing_triangles, KnownPatch, Twin};
 pub const TOLERANCES: [f64; 4] = [1.0, 0.5, 2.0, 4.0];
 
 /// The light does not matter here.
-const LOOK: Look = Look { mode: Mode::Shaded, sun: DVec3::X, exposure: 1.0, metering: None, clouds: true };
+const LOOK: Look = Look::daylight(DVec3::X);
 
 /// The CPU's copies of the patches, and how to get more.
 pub struct Verifier {

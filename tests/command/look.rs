@@ -40,6 +40,8 @@ fn dates_exposure_and_clouds_change_the_brightness() {
     assert!(noon > 5.0 * midnight, "noon {noon}, midnight {midnight}");
     let dim = brightness(folder, &["--date", "2026-03-20T10:40Z", "--exposure", "0.25"]);
     assert!(dim < 0.8 * noon, "noon {noon}, at a quarter {dim}");
+    let soft = brightness(folder, &["--date", "2026-03-20T10:40Z", "--tone", "agx"]);
+    assert!((soft / noon - 1.0).abs() < 0.3 && soft != noon, "noon {noon}, by AgX {soft}");
     let metered = brightness(folder, &["--date", "2026-03-20T22:40Z", "--exposure", "auto"]);
     assert!(metered > 1.5 * midnight, "midnight {midnight}, metered {metered}");
     let [cloudy, clear] = [&[][..], &["--clear-sky"]].map(|options| brightness(folder, options));
@@ -54,6 +56,7 @@ fn looks_that_make_no_sense_are_refused_with_the_reason() {
         (&["--date", "yesterday"][..], "2026-06-21T12:00Z"),
         (&["--exposure", "bright"], "'auto'"),
         (&["--exposure", "0"], "1e-6"),
+        (&["--tone", "sepia"], "neutral, agx"),
         (&["--sun", "10"], "2 numbers"),
         (&["--sun", "10,20", "--date", "2026-03-20T22:40Z"], "cannot be used with"),
     ] {

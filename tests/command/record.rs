@@ -147,7 +147,7 @@ fn pictures_come_as_png_of_8_and_16_bits_and_as_radiance() {
     assert_eq!((pixels[0], pixels[80 * 30 + 40][3]), ([0.0; 4], 1.0), "space, and ground in the middle");
     assert!(pixels.iter().any(|p| p[0] > 0.01) && pixels.iter().all(|p| p.iter().all(|c| c.is_finite())));
     let names: Vec<String> = image.layer_data.attributes.other.keys().map(ToString::to_string).collect();
-    for name in ["displayExposure", "cameraForward", "sunDirection", "planet"] {
+    for name in ["displayExposure", "displayTone", "displayWhite", "cameraForward", "sunDirection", "planet"] {
         assert!(names.iter().any(|n| n == name), "{name}: {names:?}");
     }
     assert!(image.layer_data.attributes.latitude.is_some());

@@ -3,10 +3,10 @@
 
 use crate::harness::{device_with, planet_file};
 use glam::DVec3;
-use terrane::frame::{sun_over, Look, DAYLIGHT};
+use terrane::frame::{sun_over, Look};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
-use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::layout::{Mode, Tone};
 use terrane_planet::draw::view::{Camera, View};
 
 const SIZE: [u32; 2] = [160, 90];
@@ -21,7 +21,14 @@ fn outline(samples: u32, finer: u32) -> Option<Vec<u8>> {
     // All pictures show the same mesh: the tolerance is that of the small picture.
     let view = View::new(camera, scene.lattice(), scene.planet().cells, f64::from(finer));
     // Albedo is drawn without air, so that the outline is sharp.
-    let look = Look { mode: Mode::Albedo, sun: sun_over(site, 135.0, 35.0), exposure: DAYLIGHT, metering: None, clouds: true };
+    let look = Look {
+        mode: Mode::Albedo,
+        sun: sun_over(site, 135.0, 35.0),
+        exposure: 1.0,
+        tone: Tone::Neutral,
+        metering: None,
+        clouds: true,
+    };
     scene.set_sun(look.sun);
     let cut = scene.settle(&view).unwrap();
     let mut headless = Headless::new(&context, (finer * SIZE[0], finer * SIZE[1])).unwrap();

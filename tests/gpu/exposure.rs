@@ -1,14 +1,14 @@
-//! Metered exposure and stars: nights become readable but stay darker than days, the same picture is exposed the same every time, and
+//! Exposure by the picture itself and stars: nights become readable but stay darker than days, the same picture is exposed the same every time, and
 //! stars do not twinkle when the camera turns.
 
 use crate::harness::{device, planet_file};
 use glam::DVec3;
 use std::sync::Arc;
-use terrane::frame::{sun_over, Look, DAYLIGHT};
+use terrane::frame::{sun_over, Look};
 use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::vulkan::Context;
-use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::layout::{Mode, Tone};
 use terrane_planet::draw::view::{Camera, View};
 
 const SIZE: [u32; 2] = [320, 180];
@@ -23,7 +23,14 @@ fn show(context: &Arc<Context>, heading: f64, pitch: f64, elevation: f64, meteri
     let camera = Camera::looking(position, heading, pitch, 0.9, SIZE);
     let view = View::new(camera, scene.lattice(), planet.cells, 1.0);
     let cut = scene.settle(&view).unwrap();
-    let look = Look { mode: Mode::Shaded, sun: sun_over(site, 200.0, elevation), exposure: DAYLIGHT, metering, clouds: true };
+    let look = Look {
+        mode: Mode::Shaded,
+        sun: sun_over(site, 200.0, elevation),
+        exposure: 1.0,
+        tone: Tone::Neutral,
+        metering,
+        clouds: true,
+    };
     headless.render(&scene, &view, &cut, &look).unwrap();
     (headless.pixels().unwrap(), headless.radiance().unwrap())
 }

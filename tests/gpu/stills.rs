@@ -9,7 +9,7 @@ use terrane::scene::{Scene, SceneOptions};
 use terrane::stills::{PixelFormat, Pixels, Still, StillOptions, Studio};
 use terrane::vulkan::Context;
 use terrane_planet::draw::cut::Cut;
-use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::layout::{Mode, Tone};
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::Planet;
@@ -87,6 +87,7 @@ fn a_picture_by_tiles_is_the_picture_at_once() {
         let whole = set.draw(StillOptions::default());
         let tiled = set.draw(StillOptions { tile: 64, ..StillOptions::default() });
         assert_eq!((whole.tiles, tiled.tiles), (1, 6));
+        assert_eq!(whole.exposure, tiled.exposure);
         let differing = apart(eight(&whole), eight(&tiled));
         assert!(differing <= OUTLINE_PIXELS, "{differing} pixels differ at {altitude} m");
         // The negative control: a picture that is moved by one pixel differs.
@@ -102,8 +103,10 @@ fn a_picture_by_tiles_is_the_picture_at_once() {
 fn sixteen_bits_say_what_the_shader_says_with_eight() {
     let Some(context) = device_with(Some(1)) else { return };
     let mut set = Set::new(&context, 3000.0, -20.0);
-    for mode in [Mode::Shaded, Mode::Levels, Mode::Albedo, Mode::Normals, Mode::Depth] {
-        set.look.mode = mode;
+    let shaded = Tone::ALL.map(|tone| (Mode::Shaded, tone));
+    let others = [Mode::Levels, Mode::Albedo, Mode::Normals, Mode::Depth].map(|mode| (mode, Tone::Neutral));
+    for (mode, tone) in shaded.into_iter().chain(others) {
+        (set.look.mode, set.look.tone) = (mode, tone);
         let shader = set.draw(StillOptions::default());
         let ours = set.draw(StillOptions { format: PixelFormat::Sixteen, ..StillOptions::default() });
         // Half a step for rounding, half for dither, and a tenth for `pow` of shader and CPU.

@@ -22,6 +22,9 @@ use crate::globe::sun::EARTH_TILT;
 use reader::{Reader, Source};
 use std::path::Path;
 
+/// Reflectance that pictures show as white, where a recipe says nothing: that of snow and of thick cloud.
+const WHITE: f64 = 0.85;
+
 /// A sea of one level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sea {
@@ -55,6 +58,8 @@ pub struct Recipe {
     pub axial_tilt: f64,
     /// Seed of all noise.
     pub seed: u64,
+    /// Reflectance that pictures show as white (0.05 to 1). It decides no ground.
+    pub white: f64,
     /// The sea, if any.
     pub sea: Option<Sea>,
     /// The atmosphere, if any.
@@ -132,6 +137,7 @@ impl Recipe {
         let axial_tilt = reader.number_or("axial_tilt_deg", 0.0..=180.0, EARTH_TILT)?;
         let name = reader.string("name", "the planet's name")?;
         let seed = reader.whole("seed")?;
+        let white = reader.number_or("white", 0.05..=1.0, WHITE)?;
         let sea = reader.table("sea")?.map(|r| Sea::read(&r)).transpose()?;
         let atmosphere = reader.table("atmosphere")?.map(|r| Atmosphere::read(&r)).transpose()?;
         let clouds = reader.table("clouds")?.map(|r| Clouds::read(&r)).transpose()?;
@@ -146,6 +152,7 @@ impl Recipe {
             radius,
             axial_tilt,
             seed,
+            white,
             sea,
             atmosphere,
             clouds,
@@ -209,5 +216,22 @@ impl Sea {
         };
         reader.finish()?;
         Ok(sea)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn whites_are_optional_and_checked() {
+        let read = |line: &str| {
+            let text = include_str!("../../recipes/tiny.toml").replace("seed = 7", &format!("seed = 7\n{line}"));
+            Recipe::from_toml(&text, "tiny.toml", Path::new("")).map_err(|e| e.to_string())
+        };
+        assert_eq!((read("").unwrap().white, read("white = 0.3").unwrap().white), (WHITE, 0.3));
+        for wrong in ["white = 1.1", "white = 0", "white = [0.5]"] {
+            assert!(read(wrong).unwrap_err().contains("white"), "{wrong}");
+        }
     }
 }

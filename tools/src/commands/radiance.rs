@@ -64,6 +64,8 @@ fn attributes(still: &Still, taken: &Taken) -> LayerAttributes {
     let own = [
         ("planet", AttributeValue::Text(Text::new_or_none(taken.planet).unwrap_or_default())),
         ("displayExposure", AttributeValue::F32(still.exposure)),
+        ("displayTone", AttributeValue::Text(Text::new_or_none(still.curve.tone.name()).unwrap_or_default())),
+        ("displayWhite", AttributeValue::F32(still.curve.white)),
         ("cameraForward", vector(camera.forward)),
         ("cameraUp", vector(camera.up)),
         ("cameraVerticalFieldOfView", AttributeValue::F32(camera.fov.to_degrees() as f32)),

@@ -34,7 +34,7 @@ pub(crate) struct Shot {
     #[arg(long, value_name = "BITS")]
     depth: Option<u8>,
     /// Picture to write: a .png, encoded for displays; or an .exr, which holds radiance in linear light before exposure as half floats,
-    /// with exposure, camera and sun in its header.
+    /// with exposure, tone curve, camera and sun in its header.
     #[arg(long, value_name = "x.png|x.exr")]
     out: PathBuf,
     /// Print one JSON object.
@@ -111,6 +111,7 @@ impl Shot {
         let Times { first_ms, ready_ms, frame_ms } = times;
         json!({
             "picture": self.out, "size": still.size, "tiles": still.tiles, "ssaa": self.still.ssaa, "exposure": still.exposure,
+            "tone": still.curve.tone.name(), "white": still.curve.white,
             "device": gpu.name, "driver": gpu.driver, "driver_info": gpu.driver_info,
             "patches": report.tables.patches.len(), "awake_vertices": report.counters.awake,
             "prefix_vertices": report.tables.vertices, "candidate_triangles": report.tables.triangles,

@@ -4,11 +4,11 @@ use anyhow::{bail, ensure, Context as _};
 use glam::DVec3;
 use jiff::Timestamp;
 use std::sync::Arc;
-use terrane::frame::{sun_over, Look, DAYLIGHT};
+use terrane::frame::{sun_over, Look};
 use terrane::scene::{CacheOptions, OnDemand, SceneOptions};
 use terrane::vulkan::{Context, ContextOptions, GpuChoice, ValidationMessage};
 use terrane_planet::draw::camera_path::Keyframe;
-use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::layout::{Mode, Tone};
 use terrane_planet::draw::view::{Camera, View, TOLERANCE_RANGE};
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::globe::sun;
@@ -240,6 +240,13 @@ enum ModeOption {
     Depth,
 }
 
+/// The curve from light to the display.
+#[derive(clap::ValueEnum, Clone, Copy, Debug)]
+enum ToneOption {
+    Neutral,
+    Agx,
+}
+
 /// How the picture looks.
 #[derive(clap::Args, Clone, Debug)]
 pub(crate) struct LookOptions {
@@ -252,10 +259,13 @@ pub(crate) struct LookOptions {
     /// The sun by date and time, such as 2026-06-21T12:00Z: as over the Earth, with the axial tilt of the recipe.
     #[arg(long, value_name = "TIME", value_parser = seconds, conflicts_with = "sun")]
     date: Option<f64>,
-    /// Factor on the brightness of the picture, 1 being right for daylight; or `auto`, by how bright the scene is. The default is 1,
-    /// and `auto` in a window.
+    /// Factor on the brightness of the picture, 1 being right for the light of sun and sky below the camera; or `auto`, by how bright
+    /// the picture is too. The default is 1, and `auto` in a window.
     #[arg(long, value_name = "auto|VALUE", value_parser = exposure)]
     exposure: Option<Exposure>,
+    /// The curve from light to the display: `neutral`, or the filmic `agx`.
+    #[arg(long, value_enum, default_value = "neutral")]
+    tone: ToneOption,
     /// Leave the clouds out.
     #[arg(long)]
     clear_sky: bool,
@@ -264,9 +274,9 @@ pub(crate) struct LookOptions {
 /// How bright pictures are.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub(crate) enum Exposure {
-    /// By the scene's luminance.
+    /// By the picture's luminance too.
     Auto,
-    /// A factor on that of daylight.
+    /// A factor on what the light below the camera asks for.
     Fixed(f32),
 }
 
@@ -301,7 +311,11 @@ impl LookOptions {
             ModeOption::Albedo => Mode::Albedo,
             ModeOption::Depth => Mode::Depth,
         };
-        Look { mode, sun, exposure: DAYLIGHT * factor, metering, clouds: !self.clear_sky }
+        let tone = match self.tone {
+            ToneOption::Neutral => Tone::Neutral,
+            ToneOption::Agx => Tone::Agx,
+        };
+        Look { mode, sun, exposure: factor, tone, metering, clouds: !self.clear_sky }
     }
 }
 

@@ -67,18 +67,31 @@ shared_constants! {
 
     /// Luminance of the primaries.
     LUMINANCE: [f32; 3] = [0.2126, 0.7152, 0.0722];
-    /// How channels are mixed before the filmic curve (AgX, Sobotka 2022, in Wrensch's fit), by columns.
-    TONE_MIX: [f32; 9] = [0.936992, 0.016931, 0.016950, 0.031373, 0.951387, 0.031373, 0.031689, 0.031666, 0.951657];
+    /// Middle grey.
+    TONE_GREY: f32 = 0.18;
+    /// What the curve adds to the slope of the logarithm of light just below grey, and over how many powers of e that goes on: then
+    /// shadows run parallel to what they were, so that nights keep their detail.
+    TONE_SHADOWS: [f32; 2] = [0.72, 1.25];
+    /// What is added to the power of channels over luminance where it is dark; half as much at middle grey, and little in the light.
+    TONE_SATURATION: f32 = 0.42;
+    /// Where the shoulder begins that leads to 1, of the brightest channel (as in PBR Neutral, Khronos 2024).
+    TONE_SHOULDER: f32 = 0.76;
+    /// How fast what lies beyond it pales.
+    TONE_PALING: f32 = 0.5;
+    /// Factor on light before the curve of AgX: with it a level card of middle grey comes out at about the same code as by the other.
+    AGX_EXPOSURE: f32 = 1.5;
+    /// How channels are mixed before the curve of AgX (Sobotka 2022, in Wrensch's fit), by columns.
+    AGX_MIX: [f32; 9] = [0.936992, 0.016931, 0.016950, 0.031373, 0.951387, 0.031373, 0.031689, 0.031666, 0.951657];
     /// How they are unmixed after it.
-    TONE_UNMIX: [f32; 9] = [1.068485, -0.018402, -0.018424, -0.034099, 1.052838, -0.034102, -0.034445, -0.034420, 1.052547];
+    AGX_UNMIX: [f32; 9] = [1.068485, -0.018402, -0.018424, -0.034099, 1.052838, -0.034102, -0.034445, -0.034420, 1.052547];
     /// Powers of two that the curve maps to black and white.
-    TONE_RANGE: [f32; 2] = [-12.47393, 4.026069];
+    AGX_RANGE: [f32; 2] = [-12.47393, 4.026069];
     /// The curve's polynomial, from the sixth power down to the constant.
-    TONE_CURVE: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232];
+    AGX_CURVE: [f32; 7] = [15.5, -40.14, 31.96, -6.868, 0.4298, 0.1191, -0.00232];
     /// Exponent of what the curve gives.
-    TONE_CONTRAST: f32 = 1.4;
+    AGX_CONTRAST: f32 = 1.4;
     /// Factor on differences from grey.
-    TONE_SATURATION: f32 = 1.35;
+    AGX_SATURATION: f32 = 1.35;
     /// Interleaved gradient noise (Jimenez 2014): weights of column and row, and the factor on what they give.
     DITHER: [f32; 3] = [0.067_110_56, 0.005_837_15, 52.982_918];
 
@@ -146,6 +159,30 @@ impl Mode {
     }
 }
 
+/// How exposed light becomes the light of a display.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[repr(u32)]
+pub enum Tone {
+    /// An S about middle grey, then straight, then a shoulder in which colours pale.
+    #[default]
+    Neutral,
+    /// The filmic curve of AgX.
+    Agx,
+}
+
+impl Tone {
+    /// All curves.
+    pub const ALL: [Tone; 2] = [Tone::Neutral, Tone::Agx];
+
+    /// Its name, as on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Tone::Neutral => "neutral",
+            Tone::Agx => "agx",
+        }
+    }
+}
+
 /// GLSL of a function that asks whether a mode is one of some.
 fn mode_test(name: &str, holds: impl Fn(Mode) -> bool) -> String {
     let tests: Vec<String> = Mode::ALL.iter().filter(|m| holds(**m)).map(|m| format!("mode == {}", mode_constant(*m))).collect();
@@ -163,6 +200,7 @@ fn elsewhere() -> Vec<String> {
     let mut lines: Vec<String> =
         Side::ALL.iter().map(|side| u32::from(side.bit()).declare(&format!("SIDE_{side:?}").to_uppercase())).collect();
     lines.extend(Mode::ALL.iter().map(|mode| (*mode as u32).declare(&mode_constant(*mode))));
+    lines.extend(Tone::ALL.iter().map(|tone| (*tone as u32).declare(&format!("TONE_{}", tone.name().to_uppercase()))));
     lines.extend([
         mode_test("is_diagram", Mode::is_diagram),
         mode_test("is_plain", Mode::is_plain),

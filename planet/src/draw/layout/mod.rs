@@ -195,9 +195,13 @@ gpu_structs! {
         window: [f32; 4],
         /// Reflectance of the ground, for light that is scattered more than once.
         ground_albedo: f32,
-        /// Factor from radiance to display; where exposure is metered, a factor on that.
+        /// Factor from radiance to what the tone curve takes; where the picture is metered, a factor on that.
         exposure: f32,
-        /// How far the metered exposure goes to its goal in this frame, from 0 to 1; negative where exposure is fixed.
+        /// One of the TONE_ constants that name curves.
+        tone: u32,
+        /// What middle grey becomes, what the tone curve adds to the slope just above it, and over how many powers of e that goes on.
+        bend: [f32; 3],
+        /// How far the metered factor goes to its goal in this frame, from 0 to 1; negative where exposure is fixed.
         adaptation: f32,
         /// Seconds, for things that move by themselves; 0 in still pictures.
         time: f32,
