@@ -37,7 +37,6 @@ use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
 use terrane_planet::globe::patch::{PatchId, MIN_CELLS};
 use terrane_planet::ground::surroundings::KnownSurroundings;
-use terrane_planet::maps::clouds::{cloud_map, CloudLevel, CLOUD_SIDE};
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::query::KnownGround;
 use terrane_planet::store::{PatchRecord, PlanetFile, StoreError};
@@ -172,8 +171,11 @@ impl Scene {
         let whole = Parts { mesh: true, texture: options.textures };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(whole, None), 0.0)).collect());
         let side = keeper.as_ref().and_then(|keeper| keeper.side.as_deref()).map(PlanetFile::open).transpose()?;
-        let map = if options.textures { clouds(&planet, [Some(&file), side.as_ref()], keeper.as_ref()) } else { None };
-        let clouds = CloudMaps::new(context, planet.recipe.seed, map)?;
+        let map = if options.textures { planet.clouds([&file].into_iter().chain(&side)) } else { None };
+        if let (Some((map, true)), Some(keeper)) = (&map, keeper.as_ref().and_then(Keeper::handle)) {
+            keeper.computed(map.clone());
+        }
+        let clouds = CloudMaps::new(context, planet.recipe.seed, map.map(|(map, _)| map))?;
         let mut scene = Scene {
             context: context.clone(),
             ground: DrawnGround::new(KnownGround::new(planet.lattice, planet.cells)),
@@ -456,21 +458,4 @@ impl Scene {
         }
         true
     }
-}
-
-/// The map of a planet's clouds, if it has any: from a file that holds it, or computed.
-fn clouds(planet: &Planet, files: [Option<&PlanetFile>; 2], keeper: Option<&Keeper>) -> Option<CloudLevel> {
-    let clouds = planet.recipe.clouds.as_ref()?;
-    for file in files.into_iter().flatten() {
-        match file.cloud_map(CLOUD_SIDE) {
-            Ok(Some(map)) => return Some(map),
-            Ok(None) => {}
-            Err(error) => tracing::warn!(%error, "the map of clouds is computed again"),
-        }
-    }
-    let map = cloud_map(&planet.recipe, clouds, CLOUD_SIDE);
-    if let Some(keeper) = keeper.and_then(Keeper::handle) {
-        keeper.computed(map.clone());
-    }
-    Some(map)
 }

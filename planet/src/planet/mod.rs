@@ -11,12 +11,13 @@ use crate::globe::lattice::Lattice;
 use crate::globe::patch::{PatchId, MAX_CELLS, MAX_LEVEL, MIN_CELLS};
 use crate::ground::texture::PatchTexture;
 use crate::ground::{Elevation, Ground, GroundColour, GroundPoint, KeptHeights};
+use crate::maps::clouds::{cloud_map, CloudLevel, CLOUD_SIDE};
 use crate::mesh::build_patch;
 use crate::mesh::builder::Faults;
 use crate::mesh::progressive::{PatchFacts, PatchMesh};
 use crate::mesh::survey::Survey;
 use crate::recipe::{Edit, Recipe, RecipeError};
-use crate::store::PlanetHeader;
+use crate::store::{PlanetFile, PlanetHeader};
 use crate::terrain::Terrain;
 use glam::DVec3;
 use thiserror::Error;
@@ -176,6 +177,19 @@ impl Planet {
     /// Samples a patch: what is known of it before it is built.
     pub fn survey(&self, id: PatchId) -> Survey {
         Survey::new(&self.ground(), id)
+    }
+
+    /// The map of the planet's clouds, if it has any, from the first of some files that holds it, or computed. Whether it was.
+    pub fn clouds<'a>(&self, files: impl IntoIterator<Item = &'a PlanetFile>) -> Option<(CloudLevel, bool)> {
+        let clouds = self.recipe.clouds.as_ref()?;
+        for file in files {
+            match file.cloud_map(CLOUD_SIDE) {
+                Ok(Some(map)) => return Some((map, false)),
+                Ok(None) => {}
+                Err(error) => tracing::warn!(%error, "the map of clouds is computed again"),
+            }
+        }
+        Some((cloud_map(&self.recipe, clouds, CLOUD_SIDE), true))
     }
 
     /// Builds a patch: the same bytes as in any planet file of this recipe and grid.

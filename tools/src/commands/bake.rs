@@ -8,6 +8,7 @@ use anyhow::Context;
 use serde_json::json;
 use std::path::PathBuf;
 use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::maps::clouds::CLOUD_SIDE;
 use terrane_planet::mesh::builder::Faults;
 use terrane_planet::planet::bake::{bake, BakePlan, BakeSummary};
 use terrane_planet::planet::Planet;
@@ -78,6 +79,9 @@ impl Run for Bake {
         let summary = bake(&mut file, &planet.terrain, &planet.terrain, &plan, self.threads.count(), &|p| report.show(p), &stop);
         report.finish();
         let summary = summary.with_context(|| format!("cannot bake {} into {}", self.recipe.display(), self.out.display()))?;
+        if let Some((clouds, true)) = planet.clouds([&file]).filter(|_| !summary.interrupted) {
+            file.keep_cloud_map(&clouds, CLOUD_SIDE)?;
+        }
         self.print(&summary);
         Ok(if summary.interrupted { Outcome::Interrupted } else { Outcome::Done })
     }
