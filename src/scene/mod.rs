@@ -248,7 +248,7 @@ impl Scene {
     /// Bytes that the patches on the GPU take, with the whole texture arrays, and the most they may take.
     pub fn gpu_bytes(&self) -> (u64, u64) {
         let (textures, most_textures) = self.textures.bytes();
-        (self.mesh_bytes + textures, self.most_mesh_bytes + most_textures)
+        (self.mesh_bytes + textures, self.most_mesh_bytes.saturating_add(most_textures))
     }
 
     /// Bytes of main memory that patches take at most while so many are on the GPU and under way, and the most they may take.

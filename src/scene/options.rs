@@ -108,7 +108,11 @@ impl Budget {
         let capacity = u32::try_from(room).unwrap_or(u32::MAX).clamp(LEAST_PATCHES, most).min(most_patches);
         Budget {
             capacity,
-            mesh_bytes: u64::from(capacity) * mesh + faces,
+            // All that textures leave.
+            mesh_bytes: gpu_bytes
+                .saturating_sub(u64::from(capacity) * tile)
+                .max(u64::from(capacity) * mesh)
+                .saturating_add(faces),
             under_way: under_way.unwrap_or(MOST_UNDER_WAY).clamp(1, MOST_UNDER_WAY),
         }
     }
@@ -139,6 +143,9 @@ mod tests {
         }
         let all = SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, ..SceneOptions::default() };
         assert_eq!(Budget::new(&all, 128, u32::MAX, layers).capacity, textures::SLOTS_PER_LAYER * layers);
+        // Where there are few patches, all of each fits.
+        let few = Budget::new(&SceneOptions::default(), 32, 30, layers);
+        assert!(few.capacity == 30 && few.mesh_bytes >= 30 * resident::bytes_of_patch(32));
         let mesh = SceneOptions::whole_mesh();
         assert_eq!(Budget::new(&mesh, 128, 70_000, layers).capacity, 70_000);
     }
