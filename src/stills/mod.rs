@@ -188,7 +188,7 @@ impl Studio {
                 let has_edges = self.options.has_edges() && !mode.is_plain();
                 let edges = if has_edges { self.headless.edges()? } else { Vec::new() };
                 let [kept, drawn] = windows;
-                let developer = Developer { mode: mode, exposure, curve, ssaa, transparent, picture: self.size, drawn, edges };
+                let developer = Developer { mode, exposure, curve, ssaa, transparent, picture: self.size, drawn, edges };
                 developer.develop(&self.headless.radiance()?, kept, pixels);
             }
         }
