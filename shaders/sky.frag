@@ -9,6 +9,9 @@ layout(binding = 2) uniform sampler2D water;
 layout(scalar, binding = 3) readonly buffer View { FrameView view; };
 layout(binding = 4) uniform sampler2D ground;
 
+// Whether clouds are looked for.
+layout(constant_id = 0) const int CLOUDY = 1;
+
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
 
@@ -103,6 +106,6 @@ void main() {
     // How much of what lies behind it is hidden, for pictures that are put before something else.
     float cover = empty ? 1.0 - dot(air.passed, LUMINANCE) : 1.0;
     color = color * air.passed + scattered(air);
-    if (has_clouds()) add_clouds(ray, end, air, color, cover);
+    if (CLOUDY == 1) add_clouds(ray, end, air, color, cover);
     out_color = vec4(min(color, BRIGHTEST), cover);
 }

@@ -41,8 +41,13 @@ impl Fullscreen {
         commands.ready(&targets.collect::<Vec<_>>())?;
         let colors: Vec<_> = colors.iter().map(|view| ColorTarget { view, clear: Some([0.0; 4]) }).collect();
         commands.begin_rendering(&colors, depth.map(|view| DepthTarget { view, clear: Some(0.0) }))?;
-        commands.bind(&self.pipeline, resources)?;
-        commands.draw(3, 1)?;
+        self.draw(commands, 1, resources)?;
         commands.end_rendering()
+    }
+
+    /// Draws so many triangles over the whole picture, while rendering.
+    pub(super) fn draw(&self, commands: &mut Commands, count: u32, resources: &[(&str, Resource<'_>)]) -> Result<()> {
+        commands.bind(&self.pipeline, resources)?;
+        commands.draw(3, count)
     }
 }

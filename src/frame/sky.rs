@@ -1,21 +1,29 @@
 //! Stage `sky`: the air between the eye and everything, and what is behind it. Shader: `sky.frag`.
 
-use super::fullscreen::Fullscreen;
+use super::classes::{ClassBit, ClassPass};
 use super::passed::{Ground, Shared};
 use super::targets::RADIANCE_FORMAT;
 use crate::shaders;
-use crate::vulkan::{Access, Commands, Context, ImageView, Resource, Result};
+use crate::vulkan::{Access, ColorTarget, Commands, Context, DepthTarget, ImageView, Resource, Result};
 use std::sync::Arc;
 
-/// The stage's pass.
+/// Constant of `sky.frag`.
+const CLOUDY: u32 = 0;
+
+/// The stage's passes: where there is no cloud, and where one may be.
 pub(super) struct Sky {
-    pass: Fullscreen,
+    clear: ClassPass,
+    cloudy: ClassPass,
 }
 
 impl Sky {
-    /// Builds its pipeline.
+    /// Builds their pipelines.
     pub(super) fn new(context: &Arc<Context>) -> Result<Sky> {
-        Ok(Sky { pass: Fullscreen::new(context, "sky", shaders::SKY_FRAG, RADIANCE_FORMAT)? })
+        let pass = |name, cloudy| {
+            let fragment = (shaders::SKY_FRAG, [(CLOUDY, u32::from(cloudy))]);
+            ClassPass::new(context, name, (fragment.0, &fragment.1), RADIANCE_FORMAT, (ClassBit::Clouds, cloudy))
+        };
+        Ok(Sky { clear: pass("sky", false)?, cloudy: pass("cloudy sky", true)? })
     }
 
     /// Records the stage: the whole scene but for the stars, as radiance. Alpha of the ground counts, too.
@@ -26,7 +34,7 @@ impl Sky {
         ground: Ground<'a>,
         water: &'a ImageView,
     ) -> Result<&'a ImageView> {
-        let radiance = shared.targets.radiance.view();
+        let (radiance, classes) = (shared.targets.radiance.view(), shared.targets.classes.view());
         commands.ready(&[ground.depth, ground.color, water].map(|view| view.to(Access::Sampled)))?;
         let own = [
             shared.shading(),
@@ -37,7 +45,14 @@ impl Sky {
         ];
         let (air, clouds) = (shared.air, shared.scene.clouds());
         let resources = [own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat();
-        self.pass.record(commands, &[radiance], None, &resources)?;
+        commands.ready(&[radiance.anew(Access::ColorTarget), classes.to(Access::DepthTarget)])?;
+        let (color, depth) = (ColorTarget { view: radiance, clear: Some([0.0; 4]) }, DepthTarget { view: classes, clear: None });
+        commands.begin_rendering(&[color], Some(depth))?;
+        self.clear.draw(commands, &resources)?;
+        if shared.has_clouds() {
+            self.cloudy.draw(commands, &resources)?;
+        }
+        commands.end_rendering()?;
         Ok(radiance)
     }
 }
