@@ -8,6 +8,9 @@ layout(binding = 2) uniform sampler2D ground;
 layout(scalar, binding = 3) readonly buffer View { FrameView view; };
 layout(binding = 4) uniform sampler2D edges;
 
+// Whether there are clouds.
+layout(constant_id = 0) const int CLOUDY = 1;
+
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
 
@@ -23,6 +26,6 @@ void main() {
     float sea = under_water ? distance_to_sea(ray) : -1.0;
     float end = sea > 0.0 ? sea : stored > 0.0 ? view.near / stored * stretch : 1e30;
     int code = int(sea > 0.0) << SEA_BIT | int(texelFetch(edges, pixel, 0).r > 0.0) << EDGE_BIT;
-    code |= int(has_clouds() && may_meet_clouds(ray, end)) << CLOUDS_BIT;
+    if (CLOUDY == 1) code |= int(has_clouds() && may_meet_clouds(ray, end)) << CLOUDS_BIT;
     gl_FragDepth = class_depth(code);
 }
