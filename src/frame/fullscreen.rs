@@ -13,12 +13,7 @@ pub(super) struct Fullscreen {
 }
 
 impl Fullscreen {
-    /// Builds the pipeline of a fragment shader that writes one colour target of a format.
-    pub(super) fn new(context: &Arc<Context>, name: &str, fragment: Shader<'_>, format: vk::Format) -> Result<Fullscreen> {
-        Fullscreen::described(context, name, &Fullscreen::description(fragment, &[format]))
-    }
-
-    /// Where a description begins that asks for more.
+    /// Where the description of a fragment shader begins that writes colour targets of some formats.
     pub(super) fn description<'a>(fragment: Shader<'a>, formats: &'a [vk::Format]) -> GraphicsDescription<'a> {
         GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(fragment), formats)
     }
