@@ -1,18 +1,11 @@
 // Classes of pixels by what they show, as depths that passes test against: see src/frame/classes.rs.
 
-// Bits of a class: there are several surfaces; the sea lies in front of the ground; clouds may lie in front of both.
-const int EDGE_BIT = 0;
-const int SEA_BIT = 1;
-const int CLOUDS_BIT = 2;
+// Twice these, plus 1 where there are several surfaces: where neither air nor sea nor clouds are; ground or sky with clear air before it;
+// the sea. Where there may be clouds, too, it is CLASS_CLOUDY more.
+const int CLASS_SPACE = 0;
+const int CLASS_DRY = 1;
+const int CLASS_SEA = 2;
+const int CLASS_CLOUDY = 2;
 
-// Where classes of clouds begin.
-const float CLOUDS_FROM = 3.5 / 8.0;
-
-// A class as a depth: exact.
-float class_depth(int code) { return float(code) / 8.0; }
-
-// The class number `index` (0 to 3) of those that have a bit.
-int class_with(int bit, int index) {
-    int below = index & (1 << bit) - 1;
-    return (index - below) << 1 | 1 << bit | below;
-}
+// A class as a depth, and half-way to the next one, in exact steps.
+float class_depth(int halves) { return float(halves) / 32.0; }

@@ -7,13 +7,10 @@ use super::targets::DEPTH_FORMAT;
 use crate::vulkan::{vk, Access, ColorTarget, Commands, Context, DepthTarget, DepthTest, ImageView, Resource, Result, Shader};
 use std::sync::Arc;
 
-/// Bits of a class, as in `classes.glsl`.
-const EDGE_BIT: u32 = 0;
-const SEA_BIT: u32 = 1;
-const CLOUDS_BIT: u32 = 2;
-
-/// Constant of `fullscreen.vert`.
-const BIT: u32 = 10;
+/// Constants of `fullscreen.vert`: the depth of the first triangle, and the ways to others.
+const FIRST: u32 = 10;
+const LOW: u32 = 11;
+const HIGH: u32 = 12;
 
 /// Pixels that a pass draws.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -26,21 +23,26 @@ pub(super) enum Class {
     Edge,
     /// Those where the sea lies in front of the ground.
     Sea,
-    /// Those where no cloud lies in front of ground and sea.
+    /// Those with neither air nor sea.
+    Space,
+    /// Those with air, but surely no cloud.
     Clear,
-    /// Those where one may.
+    /// Those where clouds may lie in front of all else.
     Cloudy,
 }
 
 impl Class {
-    /// The bit looked at, what passes, and how many triangles that takes.
-    fn test(self) -> (Option<u32>, vk::CompareOp, u32) {
+    /// What passes; the first triangle's depth and the ways to the others (one bit of their number each, and all above) in halves of the
+    /// steps in `classes.glsl`; and how many they are.
+    fn test(self) -> (vk::CompareOp, [u32; 3], u32) {
+        use vk::CompareOp as Pass;
         match self {
-            Class::Noted | Class::Any => (None, vk::CompareOp::ALWAYS, 1),
-            Class::Edge => (Some(EDGE_BIT), vk::CompareOp::EQUAL, 4),
-            Class::Sea => (Some(SEA_BIT), vk::CompareOp::EQUAL, 4),
-            Class::Clear => (Some(CLOUDS_BIT), vk::CompareOp::GREATER, 1),
-            Class::Cloudy => (Some(CLOUDS_BIT), vk::CompareOp::LESS, 1),
+            Class::Noted | Class::Any => (Pass::ALWAYS, [0; 3], 1),
+            Class::Edge => (Pass::EQUAL, [2, 4, 8], 5),
+            Class::Sea => (Pass::EQUAL, [8, 2, 8], 4),
+            Class::Space => (Pass::GREATER, [3, 0, 0], 1),
+            Class::Clear => (Pass::EQUAL, [4, 2, 4], 4),
+            Class::Cloudy => (Pass::LESS, [11, 0, 0], 1),
         }
     }
 }
@@ -57,12 +59,12 @@ impl ClassPass {
     pub(super) fn new(
         context: &Arc<Context>,
         name: &str,
-        (fragment, constant): (Shader<'_>, bool),
+        (fragment, constant): (Shader<'_>, u32),
         format: vk::Format,
         class: Class,
     ) -> Result<ClassPass> {
-        let (formats, (bit, compare, triangles)) = ([format], class.test());
-        let constants: Vec<_> = [(0, u32::from(constant))].into_iter().chain(bit.map(|bit| (BIT, bit))).collect();
+        let (formats, (compare, [first, low, high], triangles)) = ([format], class.test());
+        let constants = [(0, constant), (FIRST, first), (LOW, low), (HIGH, high)];
         let mut description = Fullscreen::description(fragment, &formats);
         description.specialization = &constants;
         description.depth_format = Some(DEPTH_FORMAT);

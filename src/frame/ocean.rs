@@ -10,8 +10,8 @@ use std::sync::Arc;
 
 /// The stage's passes.
 pub(super) struct Ocean {
-    /// Without clouds, and with.
-    classify: [ClassPass; 2],
+    /// By what is asked: whether there are clouds (1), and rays without air (2).
+    classify: [ClassPass; 4],
     sea: ClassPass,
 }
 
@@ -19,10 +19,10 @@ impl Ocean {
     /// Builds their pipelines.
     pub(super) fn new(context: &Arc<Context>) -> Result<Ocean> {
         let pass = |name, shader, class| ClassPass::new(context, name, shader, RADIANCE_FORMAT, class);
-        let classify = |name, cloudy| pass(name, (shaders::CLASSIFY_FRAG, cloudy), Class::Noted);
+        let classify = |asked| pass("classify", (shaders::CLASSIFY_FRAG, asked), Class::Noted);
         Ok(Ocean {
-            classify: [classify("classify", false)?, classify("classify with clouds", true)?],
-            sea: pass("ocean", (shaders::OCEAN_FRAG, false), Class::Sea)?,
+            classify: [classify(0)?, classify(1)?, classify(2)?, classify(3)?],
+            sea: pass("ocean", (shaders::OCEAN_FRAG, 0), Class::Sea)?,
         })
     }
 
@@ -34,7 +34,7 @@ impl Ocean {
         let view = [("View", Resource::Storage(shared.buffers.view())), shared.pixels("edges", ground.edges)];
         commands.ready(&[ground.depth, ground.color, ground.edges].map(|view| view.to(Access::Sampled)))?;
         classes::begin(commands, water, targets.classes.view(), false)?;
-        let classify = &self.classify[usize::from(shared.has_clouds())];
+        let classify = &self.classify[usize::from(shared.has_clouds()) + 2 * usize::from(shared.has_space())];
         classify.draw(commands, &[own.as_slice(), &view, &clouds.bound()].concat())?;
         if shared.has_sea() {
             let resources = [own.as_slice(), &[shared.tiles.waves()], &air.light(), &air.eye(), &clouds.bound()].concat();

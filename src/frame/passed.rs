@@ -41,6 +41,11 @@ impl<'a> Shared<'a> {
         self.lit.cloud_depth > 0.0
     }
 
+    /// Whether some view rays may meet no air.
+    pub(super) fn has_space(&self) -> bool {
+        self.lit.scale_height <= 0.0 || self.lit.height_m > self.lit.air_top
+    }
+
     /// What an earlier stage drew, pixel by pixel.
     pub(super) fn pixels(&self, name: &'static str, view: &'a ImageView) -> (&'static str, Resource<'a>) {
         (name, Resource::Sampled(view, &self.targets.nearest))

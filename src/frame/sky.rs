@@ -7,8 +7,9 @@ use crate::shaders;
 use crate::vulkan::{Access, Commands, Context, ImageView, Resource, Result};
 use std::sync::Arc;
 
-/// The stage's passes: where there is no cloud, and where one may be.
+/// The stage's passes by what lies before a pixel: nothing, clear air, clouds.
 pub(super) struct Sky {
+    space: ClassPass,
     clear: ClassPass,
     cloudy: ClassPass,
 }
@@ -16,8 +17,12 @@ pub(super) struct Sky {
 impl Sky {
     /// Builds their pipelines.
     pub(super) fn new(context: &Arc<Context>) -> Result<Sky> {
-        let pass = |name, cloudy, class| ClassPass::new(context, name, (shaders::SKY_FRAG, cloudy), RADIANCE_FORMAT, class);
-        Ok(Sky { clear: pass("sky", false, Class::Clear)?, cloudy: pass("cloudy sky", true, Class::Cloudy)? })
+        let pass = |name, before, class| ClassPass::new(context, name, (shaders::SKY_FRAG, before), RADIANCE_FORMAT, class);
+        Ok(Sky {
+            space: pass("space", 0, Class::Space)?,
+            clear: pass("sky", 1, Class::Clear)?,
+            cloudy: pass("cloudy sky", 2, Class::Cloudy)?,
+        })
     }
 
     /// Records the stage: the whole scene but for the stars, as radiance. Alpha of the ground counts, too.
@@ -40,6 +45,9 @@ impl Sky {
         let (air, clouds) = (shared.air, shared.scene.clouds());
         let resources = [own.as_slice(), &air.light(), &air.eye(), &clouds.bound()].concat();
         classes::begin(commands, radiance, shared.targets.classes.view(), true)?;
+        if shared.has_space() {
+            self.space.draw(commands, &resources)?;
+        }
         self.clear.draw(commands, &resources)?;
         if shared.has_clouds() {
             self.cloudy.draw(commands, &resources)?;

@@ -16,7 +16,7 @@ impl Tonemap {
     /// Builds their pipelines for pictures of a format (an UNORM one: the shader encodes sRGB itself).
     pub(super) fn new(context: &Arc<Context>, format: vk::Format) -> Result<Tonemap> {
         let pass = |name, mixed, class| ClassPass::new(context, name, (shaders::TONEMAP_FRAG, mixed), format, class);
-        Ok(Tonemap { plain: pass("tonemap", false, Class::Any)?, mixed: pass("tonemap edges", true, Class::Edge)? })
+        Ok(Tonemap { plain: pass("tonemap", 0, Class::Any)?, mixed: pass("tonemap edges", 1, Class::Edge)? })
     }
 
     /// Records the stage: from `radiance`, with the exposure that was metered, to `picture`; pixels on `edges` are mixed with their
