@@ -12,7 +12,7 @@ const FIRST: u32 = 10;
 const LOW: u32 = 11;
 const HIGH: u32 = 12;
 
-/// Pixels that a pass draws.
+/// Pixels that a pass draws. One triangle passes all classes on one side of a depth; sets between others take one for each class.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Class {
     /// All of them, and notes their classes as the fragment's depth.
