@@ -9,6 +9,9 @@ layout(binding = 2) uniform sampler2D water;
 layout(scalar, binding = 3) readonly buffer View { FrameView view; };
 layout(binding = 4) uniform sampler2D ground;
 
+// What lies before a pixel: nothing, clear air (1), or clouds, too (2).
+layout(constant_id = 0) const int BEFORE = 2;
+
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
 
@@ -99,10 +102,11 @@ void main() {
     if (sea > 0.0) end = sea;
     bool empty = end >= 1e29;
     vec3 color = empty ? sun_disc(ray) + sun_glare(ray) : ground_color.rgb;
-    Air air = air_before(ray, end);
+    Air air = Air(Way(0.0, 0.0, vec2(0.0)), vec3(1.0), vec3(0.0));
+    if (BEFORE > 0) air = air_before(ray, end);
     // How much of what lies behind it is hidden, for pictures that are put before something else.
     float cover = empty ? 1.0 - dot(air.passed, LUMINANCE) : 1.0;
     color = color * air.passed + scattered(air);
-    if (has_clouds()) add_clouds(ray, end, air, color, cover);
+    if (BEFORE == 2) add_clouds(ray, end, air, color, cover);
     out_color = vec4(min(color, BRIGHTEST), cover);
 }

@@ -12,6 +12,9 @@ layout(binding = 1) uniform sampler2D radiance;
 layout(binding = 3) uniform sampler2D edges;
 layout(scalar, binding = 2) readonly buffer Exposure { float factor; };
 
+// Whether pixels on edges are drawn, or all without them.
+layout(constant_id = 0) const int MIXED = 0;
+
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
 
@@ -61,11 +64,10 @@ vec3 shown_at(ivec2 pixel) {
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 shown = shown_at(pixel);
-    float share;
-    ivec2 neighbour;
-    bool edge = decode_edge(texelFetch(edges, pixel, 0).r, share, neighbour) && !is_plain(shading.mode);
-    // A loop of one turn at most: software renderers run the bodies of all conditions.
-    for (float left = edge ? share : 0.0; left > 0.0; left -= 1.0) {
+    if (MIXED == 1 && !is_plain(shading.mode)) {
+        float share;
+        ivec2 neighbour;
+        decode_edge(texelFetch(edges, pixel, 0).r, share, neighbour);
         // Mixed as encoded: so edges look equally wide on both sides.
         shown = mix(shown, shown_at(clamp(pixel + neighbour, ivec2(0), textureSize(radiance, 0) - 1)), share);
     }

@@ -29,6 +29,13 @@ float thickness() { return shading.air_top - shading.air_bottom; }
 float eye_height() { return clamp(shading.height_m - shading.air_bottom, 0.0, thickness()); }
 bool is_outside() { return shading.height_m > shading.air_top; }
 
+// Whether a view ray meets any air.
+bool meets_air(vec3 ray) {
+    if (!has_air() || !is_outside()) return has_air();
+    vec2 hits = through_shell(ray, shading.air_top);
+    return hits.x < hits.y && hits.y > 0.0;
+}
+
 float rayleigh_phase(float c) { return 3.0 / (16.0 * PI) * (1.0 + c * c); }
 
 // Cornette and Shanks 1992.

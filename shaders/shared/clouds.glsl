@@ -75,6 +75,13 @@ float distance_to_clouds(vec3 ray) {
 float slant(vec3 ray, vec3 up) { return max(abs(dot(ray, up)), 0.1); }
 float pixel_on_clouds(float distance, float cosine) { return distance * pixel_angle() * inversesqrt(cosine); }
 
+// Whether there may be cloud on a view ray before `end`: where not, `cloudiness` is 0.
+bool may_meet_clouds(vec3 ray, float end) {
+    float t = distance_to_clouds(ray);
+    vec3 up = normalize(shading.camera + ray * t);
+    return t >= 0.0 && t < end && mapped_clouds(up, pixel_on_clouds(t, slant(ray, up))) >= -DETAIL_MOST;
+}
+
 // Share of the light of stars that the clouds let through along a view ray.
 float starlight_through_clouds(vec3 ray) {
     float t = distance_to_clouds(ray);

@@ -13,12 +13,7 @@ pub(super) struct Fullscreen {
 }
 
 impl Fullscreen {
-    /// Builds the pipeline of a fragment shader that writes one colour target of a format.
-    pub(super) fn new(context: &Arc<Context>, name: &str, fragment: Shader<'_>, format: vk::Format) -> Result<Fullscreen> {
-        Fullscreen::described(context, name, &Fullscreen::description(fragment, &[format]))
-    }
-
-    /// Where a description begins that asks for more.
+    /// Where the description of a fragment shader begins that writes colour targets of some formats.
     pub(super) fn description<'a>(fragment: Shader<'a>, formats: &'a [vk::Format]) -> GraphicsDescription<'a> {
         GraphicsDescription::new(shaders::FULLSCREEN_VERT, Some(fragment), formats)
     }
@@ -41,8 +36,13 @@ impl Fullscreen {
         commands.ready(&targets.collect::<Vec<_>>())?;
         let colors: Vec<_> = colors.iter().map(|view| ColorTarget { view, clear: Some([0.0; 4]) }).collect();
         commands.begin_rendering(&colors, depth.map(|view| DepthTarget { view, clear: Some(0.0) }))?;
-        commands.bind(&self.pipeline, resources)?;
-        commands.draw(3, 1)?;
+        self.draw(commands, 1, resources)?;
         commands.end_rendering()
+    }
+
+    /// Draws so many triangles over the whole picture, while rendering.
+    pub(super) fn draw(&self, commands: &mut Commands, count: u32, resources: &[(&str, Resource<'_>)]) -> Result<()> {
+        commands.bind(&self.pipeline, resources)?;
+        commands.draw(3, count)
     }
 }

@@ -4,6 +4,7 @@
 
 mod air;
 mod buffers;
+mod classes;
 mod draw;
 mod edge_shapes;
 mod edges;
@@ -165,8 +166,8 @@ impl Renderer {
     /// [`Access::ColorTarget`](crate::vulkan::Access::ColorTarget).
     pub fn record_picture(&mut self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
         self.air.record(commands, &self.buffers, &self.shading)?;
-        let Renderer { buffers, targets, air, tiles, .. } = &*self;
-        let shared = Shared { buffers, scene, targets, air, tiles };
+        let Renderer { buffers, targets, air, tiles, shading: lit, .. } = &*self;
+        let shared = Shared { lit, buffers, scene, targets, air, tiles };
         let drawn = Stage::Draw.record(commands, |c| self.draw.record(c, &shared))?;
         let ground = Stage::Edges.record(commands, |c| self.edges.record(c, &shared, drawn))?;
         let water = Stage::Ocean.record(commands, |c| self.ocean.record(c, &shared, ground))?;

@@ -7,9 +7,12 @@ use super::targets::Targets;
 use super::tiles::Tiles;
 use crate::scene::Scene;
 use crate::vulkan::{ImageView, Resource};
+use terrane_planet::draw::layout::{Shading, NO_SEA};
 
 /// What all picture stages of a frame share.
 pub(super) struct Shared<'a> {
+    /// What the shading of the frame is, for what is decided on the CPU.
+    pub(super) lit: &'a Shading,
     /// The view, the shading, and the emitted mesh.
     pub(super) buffers: &'a FrameBuffers,
     /// The ground's textures and the clouds.
@@ -26,6 +29,21 @@ impl<'a> Shared<'a> {
     /// The shading, as shaders bind it.
     pub(super) fn shading(&self) -> (&'static str, Resource<'a>) {
         ("ShadingBlock", Resource::Storage(self.buffers.shading()))
+    }
+
+    /// Whether the planet has a sea.
+    pub(super) fn has_sea(&self) -> bool {
+        self.lit.sea_level > NO_SEA
+    }
+
+    /// Whether it has clouds.
+    pub(super) fn has_clouds(&self) -> bool {
+        self.lit.cloud_depth > 0.0
+    }
+
+    /// Whether some view rays may meet no air.
+    pub(super) fn has_space(&self) -> bool {
+        self.lit.scale_height <= 0.0 || self.lit.height_m > self.lit.air_top
     }
 
     /// What an earlier stage drew, pixel by pixel.

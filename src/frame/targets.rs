@@ -33,6 +33,8 @@ pub struct Targets {
     pub edges: Image,
     /// What finds them where there is one sample a pixel.
     pub(super) edge_buffers: Option<EdgeBuffers>,
+    /// What each pixel shows, as a depth.
+    pub(super) classes: Image,
     /// Ground and sea.
     pub water: Image,
     /// Radiance of all that is seen: ground, sea, air, stars.
@@ -68,6 +70,7 @@ impl Targets {
             samples,
             edges,
             edge_buffers,
+            classes: image("classes", size, DEPTH_FORMAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
             water: image("water", size, RADIANCE_FORMAT, color)?,
             radiance: image("radiance", size, RADIANCE_FORMAT, color)?,
             nearest: Sampler::new(context, "nearest", &nearest)?,
