@@ -122,13 +122,16 @@ impl Source {
     /// Reads what the files hold of the parts of a patch.
     fn read(&self, found: &mut Found, id: PatchId, parts: Parts) -> Result<(), StoreError> {
         for file in &self.files {
-            if parts.mesh && found.mesh.is_none() && file.contains(id)? {
-                let mesh = file.mesh(id)?;
-                (found.facts, found.mesh) = (Some(mesh.facts), Some(mesh));
-                self.tally.read.fetch_add(1, Ordering::Relaxed);
+            if parts.mesh && found.mesh.is_none() {
+                found.mesh = there(file.mesh(id))?;
+                found.facts = found.mesh.as_ref().map(|mesh| mesh.facts).or(found.facts);
+                self.tally.read.fetch_add(u64::from(found.mesh.is_some()), Ordering::Relaxed);
             }
-            if parts.texture && found.texture.is_none() && file.contains_texture(id)? {
-                (found.facts, found.texture) = (found.facts.or(file.facts(id)?), Some(file.texture(id)?));
+            if parts.texture && found.texture.is_none() {
+                found.texture = there(file.texture(id))?;
+                if let (Some(_), None) = (&found.texture, found.facts) {
+                    found.facts = file.facts(id)?;
+                }
             }
         }
         if let (Some(keeper), Some(_)) = (&self.keeper, found.facts) {
@@ -208,6 +211,15 @@ impl Source {
             LoadedMesh { finest: view.map_or(0, |view| patch.reach.finest(view)), patch, grid }
         });
         Loaded { id, facts: found.facts, mesh, texture }
+    }
+}
+
+/// A part of a patch, if the file has it. It may go at any moment, of a cache or by an edit: so it is not asked for first.
+fn there<T>(read: Result<T, StoreError>) -> Result<Option<T>, StoreError> {
+    match read {
+        Ok(part) => Ok(Some(part)),
+        Err(StoreError::Absent { .. } | StoreError::Changed { .. }) => Ok(None),
+        Err(error) => Err(error),
     }
 }
 
