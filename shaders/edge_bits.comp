@@ -1,5 +1,5 @@
 #version 460
-// Edges at one sample a pixel, second part: between which pixels there are any. An invocation looks at 32 pixels of ROWS rows.
+// Edges at one sample a pixel, second part: between which pixels there are any. An invocation looks at 32 pixels of EDGE_ROWS rows.
 //
 // Reversed depth is affine over a plane in the picture, so depth that goes on at the rate at which it changes on either side is one
 // surface, however grazing. Sky, sea and ground are told apart before depth is compared.
@@ -9,7 +9,6 @@
 layout(binding = 1) uniform sampler2D depth;
 layout(scalar, binding = 3) buffer EdgeBits { uint bits[]; };
 
-const int ROWS = 4;
 // Surfaces are apart where depth jumps by more than this share of itself, and by so many times its change on either side.
 const float LEAST_JUMP = 0.02;
 const float STEEPER = 3.0;
@@ -42,35 +41,35 @@ void main() {
     ivec2 image = textureSize(depth, 0);
     size = seen_size(image, shading.size, shading.window.xy);
     int words = words_of(size), number = own_number();
-    int word = number % words_of(image), top = number / words_of(image) * ROWS, last = min(32, size.x - 32 * word);
+    int word = number % words_of(image), top = number / words_of(image) * EDGE_ROWS, last = min(32, size.x - 32 * word);
     if (top >= size.y || word >= words) return;
-    uint sky[ROWS + 1], sea[ROWS + 1], all_sky = ~0u, all_sea = ~0u;
-    for (int r = 0; r <= ROWS; ++r) {
+    uint sky[EDGE_ROWS + 1], sea[EDGE_ROWS + 1], all_sky = ~0u, all_sea = ~0u;
+    for (int r = 0; r <= EDGE_ROWS; ++r) {
         int row = min(top + r, size.y - 1);
         sky[r] = bits[word_index(size, SKY, word, row)];
         sea[r] = bits[word_index(size, SEA, word, row)];
         all_sky &= sky[r];
         all_sea &= sea[r];
     }
-    uvec2 below[ROWS], right[ROWS];
-    float before[ROWS], here[ROWS], after[ROWS];
-    for (int r = 0; r < ROWS; ++r) below[r] = right[r] = uvec2(0u);
+    uvec2 below[EDGE_ROWS], right[EDGE_ROWS];
+    float before[EDGE_ROWS], here[EDGE_ROWS], after[EDGE_ROWS];
+    for (int r = 0; r < EDGE_ROWS; ++r) below[r] = right[r] = uvec2(0u);
     // No turn where all is sky or sea: nor do software renderers run what conditions leave out.
     int first = all_sky == ~0u || all_sea == ~0u ? last : 0, left = 32 * word;
     for (bool any = first == 0; any; any = false) {
-        for (int r = 0; r < ROWS; ++r) {
+        for (int r = 0; r < EDGE_ROWS; ++r) {
             before[r] = depth_at(left - 1, top + r);
             here[r] = depth_at(left, top + r);
             after[r] = depth_at(left + 1, top + r);
         }
     }
     for (int k = first; k < last; ++k) {
-        float column[ROWS + 3];
+        float column[EDGE_ROWS + 3];
         column[0] = depth_at(left + k, top - 1);
-        for (int r = 0; r < ROWS; ++r) column[r + 1] = here[r];
-        column[ROWS + 1] = depth_at(left + k, top + ROWS);
-        column[ROWS + 2] = depth_at(left + k, top + ROWS + 1);
-        for (int r = 0; r < ROWS; ++r) {
+        for (int r = 0; r < EDGE_ROWS; ++r) column[r + 1] = here[r];
+        column[EDGE_ROWS + 1] = depth_at(left + k, top + EDGE_ROWS);
+        column[EDGE_ROWS + 2] = depth_at(left + k, top + EDGE_ROWS + 1);
+        for (int r = 0; r < EDGE_ROWS; ++r) {
             float next = depth_at(left + k + 2, top + r);
             below[r] |= jumps(column[r], column[r + 1], column[r + 2], column[r + 3]) << k;
             right[r] |= jumps(before[r], here[r], after[r], next) << k;
@@ -81,7 +80,7 @@ void main() {
     }
     // Pixels with a neighbour right of them.
     uint inner = last < 32 ? (1u << (last - 1)) - 1u : word + 1 < words ? ~0u : ~0u >> 1;
-    for (int r = 0; r < ROWS && top + r < size.y; ++r) {
+    for (int r = 0; r < EDGE_ROWS && top + r < size.y; ++r) {
         int row = top + r;
         uvec3 found = edges_of(below[r], sky[r], sky[r + 1], sea[r], sea[r + 1]);
         bits[word_index(size, BELOW_NEARER, word, row)] = found.x;

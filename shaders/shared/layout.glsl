@@ -142,6 +142,7 @@ const float AGX_CONTRAST = 1.4;
 const float AGX_SATURATION = 1.35;
 const vec3 DITHER = vec3(0.06711056, 0.00583715, 52.982918);
 const int EDGE_REACH = 128;
+const int EDGE_ROWS = 4;
 const uvec2 TEXT_CELL = uvec2(8u, 10u);
 const uint TEXT_POSITION_BITS = 10u;
 const uint SIDE_LEFT = 1u;

@@ -6,15 +6,13 @@ use crate::vulkan::{
     Access, Buffer, Commands, ComputePipeline, Context, Image, ImageView, Memory, Resource, Result, Sampler, Usage,
 };
 use std::sync::Arc;
+use terrane_planet::draw::layout::EDGE_ROWS;
 
 /// Pixels of a row in a word of bits. Images of edges that are written by words are whole words wide.
 pub(super) const WORD: u32 = 32;
 
 /// Bits a pixel, as in `edge_planes.glsl`.
 const PLANES: u64 = 10;
-
-/// Rows that an invocation of `edge_bits.comp` looks at.
-const ROWS: u32 = 4;
 
 /// The pipelines.
 pub(super) struct EdgeShapes {
@@ -86,7 +84,7 @@ impl EdgeShapes {
 
         commands.ready(&[bits.to(Access::ComputeWrite)])?;
         commands.bind(&self.bits, &[shading, depth, found])?;
-        commands.dispatch_rows(self.bits.workgroups(words * height.div_ceil(ROWS)))?;
+        commands.dispatch_rows(self.bits.workgroups(words * height.div_ceil(EDGE_ROWS as u32)))?;
 
         commands.ready(&[bits.to(Access::ComputeRead), notes.to(Access::ComputeWrite)])?;
         commands.bind(&self.shares, &[shading, ground, found, ("EdgeNotes", Resource::Storage(notes))])?;

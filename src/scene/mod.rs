@@ -134,13 +134,14 @@ impl Scene {
         }
         let mut tree = planet.tree(records.iter().map(|r| (r.id, r.facts)));
         let mut most_patches = u32::try_from(records.len()).unwrap_or(u32::MAX);
-        let mut keeper = None;
+        let (mut keeper, mut side) = (None, None);
         if let Some(on_demand) = &options.on_demand {
             tree = tree.built_to(planet.level_of_spacing(on_demand.spacing_m));
             most_patches = u32::MAX;
             keeper = on_demand.cache.as_ref().and_then(|cache| Keeper::start(path, file.header(), cache));
-            if let Some(side) = keeper.as_ref().and_then(|keeper| keeper.side.as_ref()) {
-                PlanetFile::open(side)?.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
+            if let Some(path) = keeper.as_ref().and_then(|keeper| keeper.side.as_ref()) {
+                let file = side.insert(PlanetFile::open(path)?);
+                file.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
             }
         }
         let Budget { capacity, mesh_bytes: most_mesh_bytes, under_way } =
@@ -170,7 +171,6 @@ impl Scene {
         // The workers read the first patches while the clouds are made.
         let whole = Parts { mesh: true, texture: options.textures };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(whole, None), 0.0)).collect());
-        let side = keeper.as_ref().and_then(|keeper| keeper.side.as_deref()).map(PlanetFile::open).transpose()?;
         let map = if options.textures { planet.clouds([&file].into_iter().chain(&side)) } else { None };
         if let (Some((map, true)), Some(keeper)) = (&map, keeper.as_ref().and_then(Keeper::handle)) {
             keeper.computed(map.clone());

@@ -80,7 +80,8 @@ impl Scene {
 
     /// Whether a good part of the room for patches is free.
     pub(super) fn is_roomy(&self) -> bool {
-        (self.resident.len() as f64) < ROOMY * self.capacity as f64
+        let shares = [self.resident.len() as f64 / self.capacity as f64, self.mesh_bytes as f64 / self.most_mesh_bytes as f64];
+        shares.iter().all(|&taken| taken < ROOMY)
     }
 
     /// Whether the latest picture is coarser than its view wants, because no more fits.

@@ -7,10 +7,12 @@
 //! Every view is drawn by the command beside this program as OpenEXR, which holds the radiance and what the picture was exposed with; the
 //! codes are those of the twin of the tone curve. The cards are level ones on the ground below the camera, in sun and skylight.
 
+mod gallery;
+
 use anyhow::{bail, ensure, Context as _};
 use exr::prelude::{attribute::AttributeValue, read_first_rgba_layer_from_file, LayerAttributes};
+use gallery::Entry;
 use glam::{DVec3, Vec3};
-use serde::Deserialize;
 use std::f64::consts::PI;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
@@ -27,18 +29,6 @@ const SIZE: [usize; 2] = [1280, 720];
 /// Codes of luminance that count as the planet: above what space and its stars come to.
 const SPACE: f32 = 8.0;
 
-#[derive(Deserialize)]
-struct List {
-    picture: Vec<Entry>,
-}
-
-#[derive(Deserialize)]
-struct Entry {
-    name: String,
-    recipe: String,
-    options: String,
-}
-
 /// Radiance, and what it was taken with.
 struct Shot {
     radiance: Vec<Vec3>,
@@ -49,11 +39,10 @@ struct Shot {
 }
 
 fn main() -> anyhow::Result<()> {
-    let list: List = toml::from_str(include_str!("../gallery.toml"))?;
     std::fs::create_dir_all(WORK)?;
     println!("| view | sun | 18 % card | white | 5 % | median | 95 % | 99 % | at 255 |\n|---|---|---|---|---|---|---|---|---|");
     let mut sea = None;
-    for entry in &list.picture {
+    for entry in &gallery::views()? {
         let recipe = shipped::load(&entry.recipe)?;
         let shot = draw(entry)?;
         println!("{}", row(&entry.name, &recipe, &shot));

@@ -14,9 +14,11 @@
 //!   between sky or sky between ground, and of which less than a quarter is blended away; and all such pixels.
 //! * Milliseconds of the stage `edges`, the median of seven frames.
 
+mod gallery;
+
 use anyhow::{bail, Context as _};
+use gallery::Entry;
 use glam::{DVec3, IVec2};
-use serde::Deserialize;
 use std::path::Path;
 use std::sync::Arc;
 use terrane::frame::{sun_over, Look, Stage};
@@ -36,18 +38,6 @@ const FRAMES: usize = 7;
 
 /// How many times as wide and high the picture is that errors are measured against.
 const FINER: u32 = 4;
-
-#[derive(Deserialize)]
-struct List {
-    picture: Vec<Entry>,
-}
-
-#[derive(Deserialize)]
-struct Entry {
-    name: String,
-    recipe: String,
-    options: String,
-}
 
 /// What the options of `terrane shot` say, as far as the list uses them.
 struct Options {
@@ -93,13 +83,13 @@ fn main() -> anyhow::Result<()> {
         }
     }
     let folder = folder.context("usage: skyline FOLDER [--size WxH] [NAME…]")?;
-    let list: List = toml::from_str(include_str!("../gallery.toml"))?;
     let desert = [DESERT].map(|(name, recipe, options)| [name, recipe, options].map(str::to_owned));
     let desert = desert.map(|[name, recipe, options]| Entry { name, recipe, options });
+    let views = gallery::views()?;
     let context = Context::new(&ContextOptions { samples: Some(1), ..ContextOptions::default() })?;
     println!("| view | columns on slopes | blended % | longest run without | longest run | error | without edges | alone | of | edges ms |");
     println!("|---|---|---|---|---|---|---|---|---|---|");
-    for entry in list.picture.iter().chain(&desert).filter(|entry| names.is_empty() || names.contains(&entry.name)) {
+    for entry in views.iter().chain(&desert).filter(|entry| names.is_empty() || names.contains(&entry.name)) {
         let file = Path::new(&folder).join(&entry.recipe).with_extension("planet");
         let row = measure(&context, &file, &options(&entry.options)?, size)?;
         let share = |part: f64| if row.columns == 0 { 0.0 } else { part / row.columns as f64 };
@@ -129,7 +119,6 @@ fn options(text: &str) -> anyhow::Result<Options> {
             "--look" => options.look = numbers(words.next())?,
             "--sun" => options.sun = numbers(words.next())?,
             "--clear-sky" => options.clouds = false,
-            "--exposure" => drop(words.next()),
             other => bail!("unexpected {other}"),
         }
     }
@@ -167,11 +156,7 @@ fn measure(context: &Arc<Context>, file: &Path, options: &Options, size: [u32; 2
     times.sort_by(f64::total_cmp);
     let picture = read(&headless, &scene, &view)?;
     let mut row = Row { edges_ms: times[FRAMES / 2], ..Row::default() };
-    let shares = if std::env::var_os("QUICK").is_some() {
-        vec![0.0; picture.sky.len()]
-    } else {
-        finer_shares(context, &scene, (&view_of(&scene, FINER), &cut), &look, size)?
-    };
+    let shares = finer_shares(context, &scene, (&view_of(&scene, FINER), &cut), &look, size)?;
     slopes(&picture, &shares, &mut row);
     alone(&picture, &mut row);
     Ok(row)

@@ -271,7 +271,7 @@ impl PlanetFile {
     }
 
     /// Puts another ground in place of the file's, all or nothing: its header (of the same planet, grid and lattice); all patches that
-    /// are touched go, to be pending unless they were only cached or lacked a part; so do the surroundings of those that are `touched_around`; and `built` patches are back at once. Returns how many are touched.
+    /// are touched go, to be pending unless they were only cached or lacked a part; so do the surroundings of those that are `touched_around`; and `built` patches are back at once, with what is `around` them. Returns how many are touched.
     /// They are found within the transaction: a flight may add patches until it begins, and none of the ground before from then on.
     ///
     /// # Errors
@@ -279,9 +279,9 @@ impl PlanetFile {
     pub fn replace_ground(
         &mut self,
         header: &PlanetHeader,
-        touched: &dyn Fn(PatchId) -> bool,
-        touched_around: &dyn Fn(PatchId) -> bool,
+        [touched, touched_around]: [&dyn Fn(PatchId) -> bool; 2],
         built: &[BakedPatch],
+        around: &[SurroundingsRecord],
     ) -> Result<usize, StoreError> {
         let mut removed = 0;
         self.transaction("edit the ground", |connection| {
@@ -289,6 +289,7 @@ impl PlanetFile {
             removed = pending::put_off(connection, touched)?;
             surroundings::forget(connection, touched_around)?;
             rows::insert(connection, built)?;
+            surroundings::insert(connection, around)?;
             pending::done(connection, built.iter().filter(|p| p.record.is_whole()).map(|p| p.record.id))
         })?;
         self.header = header.clone();

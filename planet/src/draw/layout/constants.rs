@@ -97,6 +97,8 @@ shared_constants! {
 
     /// Most pixels along an edge, each way, after which its ends are looked for no more.
     EDGE_REACH: i32 = 128;
+    /// Rows of pixels between which an invocation looks for edges.
+    EDGE_ROWS: i32 = 4;
 
     /// Width and height of a character of the overlay, in unscaled pixels.
     TEXT_CELL: [u32; 2] = [8, 10];

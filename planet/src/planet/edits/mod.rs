@@ -122,8 +122,13 @@ fn change(file: &mut PlanetFile, recipe: Recipe, edit: Edit) -> Result<Changed, 
     let planet = Planet::from_recipe(recipe, file.header().cells)?;
     let reach = Touched::new(&edit, planet.recipe.radius, planet.cells);
     let faces: Vec<PatchId> = PatchId::roots().filter(|&id| reach.touches(id)).collect();
-    let build = |&id: &PatchId| build_and_encode(&planet.ground(), &planet.terrain, id).map(|(patch, ..)| patch);
-    let built = faces.iter().map(build).collect::<Result<Vec<_>, _>>()?;
-    let touched = file.replace_ground(&planet.header(), &|id| reach.touches(id), &|id| reach.touches_around(id), &built)?;
-    Ok(Changed { planet, edit, touched, faces: built.len() })
+    let (mut built, mut around) = (Vec::new(), Vec::new());
+    for &id in &faces {
+        let (patch, surroundings, _) = build_and_encode(&planet.ground(), &planet.terrain, id)?;
+        built.push(patch);
+        around.push(surroundings);
+    }
+    let touched = [&|id| reach.touches(id), &|id| reach.touches_around(id)] as [&dyn Fn(PatchId) -> bool; 2];
+    let touched = file.replace_ground(&planet.header(), touched, &built, &around)?;
+    Ok(Changed { planet, edit, touched, faces: faces.len() })
 }

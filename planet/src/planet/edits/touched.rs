@@ -39,19 +39,24 @@ impl Touched {
 
     /// Whether a patch may depend on that ground.
     pub(super) fn touches(&self, id: PatchId) -> bool {
-        let cell = FRAC_PI_2 / f64::from(1u32 << id.level) / f64::from(self.cells);
-        let near = self.reach + MARGIN_CELLS * cell;
-        let reached = |id: PatchId, side: Side| self.distance_to_side(id, side) <= near;
-        let parents = Side::ALL.into_iter().filter(|&side| id.on_parent_boundary(side));
-        self.is_inside(id)
-            || Side::ALL.into_iter().any(|side| reached(id, side))
-            || id.parent().is_some_and(|parent| parents.into_iter().any(|side| reached(parent, side)))
+        let near = self.near(id, MARGIN_CELLS);
+        let mut parents = Side::ALL.into_iter().filter(|&side| id.on_parent_boundary(side));
+        self.reaches(id, near)
+            || id.parent().is_some_and(|parent| parents.any(|side| self.distance_to_side(parent, side) <= near))
     }
 
     /// Whether the surroundings of a patch depend on it.
     pub(super) fn touches_around(&self, id: PatchId) -> bool {
-        let cell = FRAC_PI_2 / f64::from(1u32 << id.level) / f64::from(self.cells);
-        let near = self.reach + AROUND_CELLS * cell;
+        self.reaches(id, self.near(id, AROUND_CELLS))
+    }
+
+    /// How near the edit's middle is to all that it reaches, and so many of a patch's cells beyond.
+    fn near(&self, id: PatchId, cells: f64) -> f64 {
+        self.reach + cells * FRAC_PI_2 / f64::from(1u32 << id.level) / f64::from(self.cells)
+    }
+
+    /// Whether the edit's middle lies in a patch, or that near to one of its sides.
+    fn reaches(&self, id: PatchId, near: f64) -> bool {
         self.is_inside(id) || Side::ALL.into_iter().any(|side| self.distance_to_side(id, side) <= near)
     }
 
