@@ -25,6 +25,11 @@ pub(super) struct FlyCamera {
 }
 
 impl FlyCamera {
+    /// Whether the viewer has not come to rest yet.
+    pub(super) fn is_moving(&self) -> bool {
+        self.pace != DVec3::ZERO
+    }
+
     /// Moves the viewer for `seconds`. `wish` says where to: right, up and ahead, each from -1 to 1.
     pub(super) fn step(&mut self, pose: &mut Pose, wish: DVec3, hurry: bool, seconds: f64, surface: &dyn Surface) {
         let wish = wish.clamp_length_max(1.0) * if hurry { HURRY } else { 1.0 };

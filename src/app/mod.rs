@@ -6,23 +6,30 @@
 mod flight;
 mod fly_camera;
 mod keys;
+mod ledger;
 mod orbit_camera;
 mod overlay;
+mod pacing;
+mod playback;
 mod pose;
 mod surface;
 mod viewer;
 
 pub use keys::HELP;
+pub use pacing::{Scale, DENSITIES};
+pub use playback::FlyFrame;
 
 use crate::frame::Look;
 use crate::scene::{SceneError, SceneOptions};
 use crate::vulkan::{ContextOptions, ValidationMessage, VulkanError};
 use flight::Flight;
 use keys::Command;
+use pacing::Due;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use surface::DrawnSurface;
+use terrane_planet::draw::camera_path::CameraPath;
 use terrane_planet::draw::view::Camera;
 use thiserror::Error;
 use viewer::Button;
@@ -81,6 +88,14 @@ pub struct FlyOptions {
     pub geomorphs: bool,
     /// Whether errors count as they are seen, see [`terrane_planet::draw::orientation`].
     pub orientation: bool,
+    /// How many pixels are drawn; as many as keep software renderers at ten frames a second, if `None`, and all on others.
+    pub scale: Option<Scale>,
+    /// Most frames a second; those of the screen if `None`.
+    pub most_fps: Option<f64>,
+    /// A path to play from the beginning.
+    pub path: Option<CameraPath>,
+    /// Standing for so long at the path's end closes the window, and the frames until then are reported.
+    pub stand: Option<Duration>,
     /// What the scene may use and build.
     pub scene: SceneOptions,
     /// Takes screenshots.
@@ -94,6 +109,8 @@ pub struct FlyReport {
     pub frames: u64,
     /// Seconds since the first frame.
     pub seconds: f64,
+    /// Each of them, where that was asked for.
+    pub rows: Vec<FlyFrame>,
     /// Everything that validation said, to the very end.
     pub messages: Vec<ValidationMessage>,
 }
@@ -159,6 +176,7 @@ impl App {
         let Some(flight) = &mut self.flight else { return };
         let down = event.state == ElementState::Pressed;
         flight.viewer.held.set(event.physical_key, down);
+        flight.touch();
         match keys::command(event.physical_key, &event.logical_key).filter(|_| down) {
             Some(Command::Quit) => events.exit(),
             // Holding a key repeats only what is gradual.
@@ -210,6 +228,7 @@ impl ApplicationHandler for App {
             WindowEvent::Resized(size) => {
                 if let Some(flight) = &mut self.flight {
                     flight.resize(size.width, size.height);
+                    flight.touch();
                 }
             }
             WindowEvent::Focused(false) => {
@@ -223,21 +242,28 @@ impl ApplicationHandler for App {
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
         let Some(flight) = &self.flight else { return };
-        let flow = match self.retry_at {
-            _ if self.hidden => ControlFlow::Wait,
-            Some(at) if Instant::now() < at => ControlFlow::WaitUntil(at),
-            _ => {
-                flight.window.request_redraw();
-                ControlFlow::Poll
-            }
+        let now = Instant::now();
+        if flight.closes().is_some_and(|at| at <= now) {
+            return events.exit();
+        }
+        let due = match self.retry_at {
+            _ if self.hidden => Due::Never,
+            Some(at) if now < at => Due::At(at),
+            Some(_) => Due::Now,
+            None => flight.due(now),
         };
-        events.set_control_flow(flow);
+        if due == Due::Now {
+            flight.window.request_redraw();
+        }
+        let wake = [if let Due::At(at) = due { Some(at) } else { None }, flight.closes()].into_iter().flatten().min();
+        events.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
-        let Some(flight) = self.flight.take() else { return };
+        let Some(mut flight) = self.flight.take() else { return };
         let log = flight.context().message_log();
         (self.report.frames, self.report.seconds) = flight.pace();
+        self.report.rows = flight.rows();
         drop(flight);
         self.report.messages = log.all();
     }

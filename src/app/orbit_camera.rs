@@ -54,6 +54,11 @@ impl OrbitCamera {
         }
     }
 
+    /// Whether a zoom is outstanding.
+    pub(super) fn is_moving(&self) -> bool {
+        self.zoom != 0.0
+    }
+
     /// Asks for a zoom by notches of the wheel, towards the ground if positive.
     pub(super) fn wheel(&mut self, notches: f64) {
         self.zoom -= ZOOM_PER_NOTCH * notches;

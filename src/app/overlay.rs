@@ -34,6 +34,8 @@ pub(super) struct Status<'a> {
     pub(super) bytes: [(u64, u64); 2],
     /// Bytes of everything on the GPU.
     pub(super) allocated: u64,
+    /// Pixels drawn along a side for each of the window's.
+    pub(super) density: f64,
     /// Name of the device.
     pub(super) device: &'a str,
     /// Whether the view is in free flight.
@@ -56,6 +58,11 @@ impl Overlay {
     pub(super) fn count_frame(&mut self, seconds: f64) {
         let weight = if self.frame_seconds == 0.0 { 1.0 } else { 1.0 - (-RATE_RESPONSE * seconds).exp() };
         self.frame_seconds += (seconds - self.frame_seconds) * weight;
+    }
+
+    /// When the message is to vanish.
+    pub(super) fn vanishes(&self) -> Option<Instant> {
+        self.message.as_ref().map(|(_, since)| *since + MESSAGE_TIME)
     }
 
     /// The text to draw.
@@ -82,9 +89,11 @@ impl Overlay {
             (status.frozen, "selection frozen: Z thaws it"),
             (status.counters.wanted > status.counters.capacity, "more triangles than fit: some are missing"),
         ];
-        let states: Vec<&str> = states.into_iter().filter_map(|(on, text)| on.then_some(text)).collect();
+        let scale = format!("scale {}", status.density);
+        let states = states.into_iter().chain([(status.density < 1.0, scale.as_str())]);
+        let states: Vec<&str> = states.filter_map(|(on, text)| on.then_some(text)).collect();
         let _ = writeln!(text, "{}", states.join(", "));
-        if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() > MESSAGE_TIME) {
+        if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() >= MESSAGE_TIME) {
             self.message = None;
         }
         if let Some((message, _)) = &self.message {

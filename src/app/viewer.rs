@@ -5,6 +5,7 @@ use super::keys::Held;
 use super::orbit_camera::OrbitCamera;
 use super::pose::{Lens, Pose};
 use super::surface::Surface;
+use glam::DVec3;
 use terrane_planet::draw::view::Camera;
 
 /// How far the view turns when the mouse moves by a pixel, in angles that a pixel subtends.
@@ -96,6 +97,15 @@ impl Viewer {
         self.held.clear();
         self.orbit.release();
         self.button = None;
+    }
+
+    /// Whether the viewer moves by themselves: keys are held, or a motion goes on.
+    pub(super) fn is_moving(&self) -> bool {
+        if self.flying {
+            self.held.wish() != DVec3::ZERO || self.flight.is_moving()
+        } else {
+            self.orbit.is_moving()
+        }
     }
 
     /// Moves on by so many seconds.

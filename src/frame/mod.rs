@@ -25,6 +25,7 @@ mod tables;
 mod targets;
 mod tiles;
 mod tonemap;
+mod upscale;
 
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
 pub use edges::Edge;
@@ -36,7 +37,7 @@ pub use tables::{FrameTables, MeshTasks};
 pub use targets::{Targets, DEPTH_FORMAT, RADIANCE_FORMAT};
 
 use crate::scene::Scene;
-use crate::vulkan::{vk, Buffer, Commands, Context, ImageView, Result};
+use crate::vulkan::{vk, Buffer, Commands, Context, Image, ImageView, Result};
 use air::Air;
 use draw::Draw;
 use edges::Edges;
@@ -54,6 +55,7 @@ use terrane_planet::draw::layout::{EmitState, FrameView, Mode, Shading};
 use terrane_planet::draw::view::View;
 use tiles::Tiles;
 use tonemap::Tonemap;
+use upscale::Upscale;
 
 /// Seconds after which the sea begins again, before single precision runs out.
 const WAVES_REPEAT: f64 = 7200.0;
@@ -75,13 +77,21 @@ pub struct Renderer {
     /// Whether the meter has been read before.
     metered: bool,
     tonemap: Tonemap,
+    upscale: Upscale,
     tiles: Tiles,
     context: Arc<Context>,
     /// Seconds, for things that move by themselves: 0 in still pictures.
     pub time: f64,
     /// Of the frame that was prepared last.
     shading: Shading,
+    /// Of the density in use.
     pub(crate) targets: Targets,
+    /// Of densities used before, at the same size.
+    spare_targets: Vec<(f64, Targets)>,
+    /// Width and height of pictures.
+    size: (u32, u32),
+    format: vk::Format,
+    density: f64,
     /// Buffers shared by the stages.
     pub buffers: FrameBuffers,
 }
@@ -104,21 +114,51 @@ impl Renderer {
             starry: true,
             metered: false,
             tonemap: Tonemap::new(context, format)?,
+            upscale: Upscale::new(context, format)?,
             tiles: Tiles::new(context)?,
             context: context.clone(),
             time: 0.0,
             shading: Shading::default(),
             targets: Targets::new(context, size, samples)?,
+            spare_targets: Vec::new(),
+            size,
+            format,
+            density: 1.0,
             buffers: FrameBuffers::new(context)?,
         })
     }
 
     /// Follows a change of picture size.
     pub fn resize(&mut self, size: (u32, u32)) -> Result<()> {
-        if self.targets.size != size {
-            self.targets = Targets::new(&self.context, size, self.context.samples())?;
+        if self.size != size {
+            self.spare_targets.clear();
+            self.size = size;
+            self.targets = self.targets_of(self.density)?;
         }
         Ok(())
+    }
+
+    /// Draws pictures with so many pixels along a side for each of their own, from 0 to 1, and enlarges them. The mesh stays that of all
+    /// pixels. Targets of other densities are kept, so that going back and forth costs nothing.
+    pub fn set_density(&mut self, density: f64) -> Result<()> {
+        if self.density == density {
+            return Ok(());
+        }
+        let kept = self.spare_targets.iter().position(|(of, _)| *of == density);
+        let targets = match kept {
+            Some(index) => self.spare_targets.swap_remove(index).1,
+            None => self.targets_of(density)?,
+        };
+        let before = std::mem::replace(&mut self.targets, targets);
+        self.spare_targets.push((std::mem::replace(&mut self.density, density), before));
+        Ok(())
+    }
+
+    fn targets_of(&self, density: f64) -> Result<Targets> {
+        if density == 1.0 {
+            return Targets::new(&self.context, self.size, self.context.samples());
+        }
+        Targets::sparse(&self.context, self.size, self.format, density)
     }
 
     /// Prepares the tables of the next frame and hands them to the GPU. `whole` draws patches out of sight too.
@@ -182,7 +222,12 @@ impl Renderer {
             Some(_) => Stage::Meter.record(commands, |c| self.meter.record(c, &shared, seen))?,
             None => self.meter.factor(),
         };
-        Stage::Tonemap.record(commands, |c| self.tonemap.record(c, &shared, (seen, ground.edges), metered, picture))?;
+        let few = targets.few.as_ref().map(Image::view);
+        let toned = few.unwrap_or(picture);
+        Stage::Tonemap.record(commands, |c| self.tonemap.record(c, &shared, (seen, ground.edges), metered, toned))?;
+        if let Some(few) = few {
+            Stage::Upscale.record(commands, |c| self.upscale.record(c, targets, few, picture))?;
+        }
         self.metered |= look.metering.is_some();
         Ok(())
     }
@@ -190,7 +235,8 @@ impl Renderer {
     /// The shading of a view. In the ground it is dark: what is seen from there are slopes from behind and the sky through them.
     fn lit(&self, scene: &Scene, view: &View, look: &Look) -> Shading {
         let planet = scene.planet();
-        let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, view, look);
+        let view = view.with_density(self.density);
+        let mut shading = shading(&planet.recipe, planet.terrain.height_range().0, &view, look);
         if scene.ground().buries(view.camera.position) {
             shading.exposure = 0.0;
         }

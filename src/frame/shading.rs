@@ -53,6 +53,7 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
     let colour = |c: [f64; 3]| c.map(|x| x as f32);
     let frame = local_frame(camera.position);
     let sunward = look.sun.reject_from_normalized(frame.z_axis).try_normalize().unwrap_or(frame.x_axis);
+    let pixels = |pixels: u32| (f64::from(pixels) * view.density) as f32;
     let mut shading = Shading {
         // The shaders divide by its length.
         camera: vector(if camera.position.length() < 1.0 { local_frame(camera.position).z_axis } else { camera.position }),
@@ -70,8 +71,8 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
         vertical: vector(frame.z_axis),
         sunward: vector(sunward),
         adaptation: look.metering.unwrap_or(-1.0),
-        size: camera.size.map(|s| s as f32),
-        window: [left, top, width, height].map(|s| s as f32),
+        size: camera.size.map(pixels),
+        window: [left, top, width, height].map(pixels),
         anchor: camera.position.to_array().map(|x| x.rem_euclid(REPEAT_M) as f32),
         sea_variance: total_variance() as f32,
         ..Shading::default()

@@ -32,11 +32,13 @@ pub enum Stage {
     Meter,
     /// From radiance to 8 bits a channel.
     Tonemap,
+    /// From fewer pixels to all of the picture's, only where fewer are drawn.
+    Upscale,
 }
 
 impl Stage {
     /// All stages, in order.
-    pub const ALL: [Stage; 13] = [
+    pub const ALL: [Stage; 14] = [
         Stage::Select,
         Stage::Resolve,
         Stage::Emit,
@@ -50,6 +52,7 @@ impl Stage {
         Stage::Stars,
         Stage::Meter,
         Stage::Tonemap,
+        Stage::Upscale,
     ];
 
     /// How many there are.
@@ -57,6 +60,12 @@ impl Stage {
 
     /// The stages that make the mesh.
     pub const MESH: [Stage; 3] = [Stage::Select, Stage::Resolve, Stage::Emit];
+
+    /// Whether its time grows with the pixels that are drawn.
+    pub fn works_on_pixels(self) -> bool {
+        use Stage::{Draw, Edges, Lines, Meter, Ocean, Sky, Stars, Tonemap};
+        matches!(self, Draw | Edges | Ocean | Lines | Sky | Stars | Meter | Tonemap)
+    }
 
     /// The name in timestamp zones, tables and reports.
     pub const fn name(self) -> &'static str {
@@ -74,6 +83,7 @@ impl Stage {
             Stage::Stars => "stars",
             Stage::Meter => "meter",
             Stage::Tonemap => "tonemap",
+            Stage::Upscale => "upscale",
         }
     }
 

@@ -39,6 +39,8 @@ pub struct Targets {
     pub water: Image,
     /// Radiance of all that is seen: ground, sea, air, stars.
     pub radiance: Image,
+    /// The picture, where it is drawn with fewer pixels than it has; of its format.
+    pub(super) few: Option<Image>,
     /// Unfiltered sampling of the above.
     pub nearest: Sampler,
     /// Width and height.
@@ -73,9 +75,19 @@ impl Targets {
             classes: image("classes", size, DEPTH_FORMAT, vk::ImageUsageFlags::DEPTH_STENCIL_ATTACHMENT)?,
             water: image("water", size, RADIANCE_FORMAT, color)?,
             radiance: image("radiance", size, RADIANCE_FORMAT, color)?,
+            few: None,
             nearest: Sampler::new(context, "nearest", &nearest)?,
             size,
         })
+    }
+
+    /// Creates the targets of a picture of `size` and `format` drawn with `density` pixels along a side for each of its own.
+    pub(super) fn sparse(context: &Arc<Context>, size: (u32, u32), format: vk::Format, density: f64) -> Result<Targets> {
+        let few = |pixels: u32| ((f64::from(pixels) * density) as u32).max(1);
+        let size = (few(size.0), few(size.1));
+        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT | vk::ImageUsageFlags::SAMPLED;
+        let picture = Image::new(context, &ImageDescription::new("few pixels", size, format, usage))?;
+        Ok(Targets { few: Some(picture), ..Targets::new(context, size, context.samples())? })
     }
 
     /// What the ground is drawn into.

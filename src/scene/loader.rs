@@ -3,8 +3,9 @@
 use super::resident::bytes_of_patch;
 use super::source::Source;
 use super::textures::{bytes_of_tile, Relief, TextureMips};
-use super::SceneError;
+use super::{SceneError, Scope};
 use std::collections::HashSet;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -14,9 +15,13 @@ use terrane_planet::globe::patch::PatchId;
 use terrane_planet::mesh::progressive::PatchFacts;
 use terrane_planet::query::PatchGrid;
 use terrane_planet::store::StoreError;
+use thread_priority::{ThreadPriority, ThreadPriorityValue};
 
 /// Least number of workers: reading and decoding alone keeps two busy.
 const LEAST_WORKERS: usize = 2;
+
+/// Priority of workers beside a window, of 99: a "nice" of about 10.
+const BACKGROUND: u8 = 25;
 
 /// How long arrivals are gathered before the cut is chosen anew.
 const MOMENT: Duration = Duration::from_millis(20);
@@ -88,6 +93,8 @@ struct Queue {
 
 struct Shared {
     queue: Mutex<Queue>,
+    /// Answers that nobody has fetched.
+    arrived: AtomicUsize,
     changed: Condvar,
     most_under_way: usize,
 }
@@ -104,7 +111,8 @@ pub(super) struct Loader {
 impl Loader {
     /// Starts the workers, one a processor, each with a source of its own.
     pub(super) fn new(most_under_way: usize, source: impl Fn() -> Result<Source, StoreError>) -> Result<Loader, SceneError> {
-        let shared = Arc::new(Shared { queue: Mutex::default(), changed: Condvar::new(), most_under_way });
+        let shared =
+            Arc::new(Shared { queue: Mutex::default(), arrived: AtomicUsize::new(0), changed: Condvar::new(), most_under_way });
         let (sender, arrivals) = channel();
         let count = std::thread::available_parallelism().map_or(LEAST_WORKERS, usize::from).max(LEAST_WORKERS);
         let mut workers = Vec::new();
@@ -123,6 +131,11 @@ impl Loader {
         requests.retain(|request| !queue.under_way.contains(&request.0));
         queue.requests = requests;
         self.shared.changed.notify_all();
+    }
+
+    /// Whether there is anything to take.
+    pub(super) fn has_arrived(&self) -> bool {
+        self.shared.arrived.load(Ordering::Relaxed) > 0
     }
 
     /// Up to `most` patches that have arrived, without waiting.
@@ -173,6 +186,7 @@ impl Loader {
     }
 
     fn accept(&self, (id, result): Arrival) -> Result<Response, SceneError> {
+        self.shared.arrived.fetch_sub(1, Ordering::Relaxed);
         self.shared.lock().under_way.remove(&id);
         self.shared.changed.notify_one();
         Ok(result?)
@@ -213,6 +227,16 @@ impl Shared {
     }
 }
 
+/// Lets frames go before what this thread does, where a software renderer draws them on the same processors. Without effect where the
+/// system does not allow it.
+fn step_back() {
+    if let Some(priority) = ThreadPriorityValue::try_from(BACKGROUND).ok().map(ThreadPriority::Crossplatform) {
+        if let Err(error) = priority.set_for_current() {
+            tracing::debug!("workers keep their priority: {error:?}");
+        }
+    }
+}
+
 struct Worker {
     source: Source,
     shared: Arc<Shared>,
@@ -221,6 +245,9 @@ struct Worker {
 
 impl Worker {
     fn run(self) {
+        if self.source.scope == Scope::Flight {
+            step_back();
+        }
         while let Some((id, request)) = self.shared.next() {
             let response = match request {
                 Request::Explore(view) => self.source.explore(id, &view).map(|loaded| Response::Patch(Box::new(loaded))),
@@ -229,6 +256,7 @@ impl Worker {
                 }
                 Request::Horizon => Ok(Response::Horizon(id, self.source.relief(id))),
             };
+            self.shared.arrived.fetch_add(1, Ordering::Relaxed);
             if self.sender.send((id, response)).is_err() {
                 return;
             }

@@ -265,6 +265,11 @@ impl Scene {
         self.loader.pending()
     }
 
+    /// Whether patches have arrived that the next frame may take in.
+    pub fn has_arrived(&self) -> bool {
+        self.loader.has_arrived()
+    }
+
     /// How the patches were come by.
     pub fn tally(&self) -> SceneTally {
         let Tally { read, surveyed, built, build_us } = &*self.tally;

@@ -31,6 +31,8 @@ pub struct Swapchain {
     size: (u32, u32),
     mailbox: bool,
     outdated: bool,
+    /// Whether what was made last is called suboptimal, though made anew for that reason: some windows always are.
+    tolerated: bool,
     // Dropped after the swapchain.
     surface: Surface,
 }
@@ -58,6 +60,13 @@ pub struct Frame {
     slot: usize,
 }
 
+impl Frame {
+    /// Which of the [`FRAMES_IN_FLIGHT`] it is: the frame that used the same commands before has the same number.
+    pub fn slot(&self) -> usize {
+        self.slot
+    }
+}
+
 impl Swapchain {
     /// Creates a swapchain for a surface of the context's window, `size` being the window's in pixels. With `mailbox`
     /// frames are not held back to the screen's rate, where the driver can do that.
@@ -82,6 +91,7 @@ impl Swapchain {
             size,
             mailbox,
             outdated: true,
+            tolerated: false,
             surface,
         };
         swapchain.recreate()?;
@@ -100,7 +110,9 @@ impl Swapchain {
 
     /// Tells the window's new size; the next frame has it.
     pub fn resize(&mut self, width: u32, height: u32) {
-        self.outdated |= (width, height) != self.size;
+        if (width, height) != self.size {
+            self.outdate();
+        }
         self.size = (width, height);
     }
 
@@ -154,8 +166,8 @@ impl Swapchain {
             unsafe { self.functions.queue_present(*queue, &info) }
         };
         match presented {
-            Ok(suboptimal) => self.outdated |= suboptimal,
-            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => self.outdated = true,
+            Ok(suboptimal) => self.improve(suboptimal),
+            Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => self.outdate(),
             Err(result) => return Err(api("vkQueuePresentKHR")(result)),
         }
         Ok(())
@@ -168,15 +180,27 @@ impl Swapchain {
         let acquired = unsafe { self.functions.acquire_next_image(self.handle, limit, semaphore, vk::Fence::null()) };
         match acquired {
             Ok((image, suboptimal)) => {
-                self.outdated |= suboptimal;
+                self.improve(suboptimal);
                 Ok(Some(image))
             }
             Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => {
-                self.outdated = true;
+                self.outdate();
                 Ok(None)
             }
             Err(vk::Result::TIMEOUT | vk::Result::NOT_READY) => Ok(None),
             Err(result) => Err(api("vkAcquireNextImageKHR")(result)),
+        }
+    }
+
+    /// Makes the images anew before the next frame.
+    fn outdate(&mut self) {
+        (self.outdated, self.tolerated) = (true, false);
+    }
+
+    /// Makes images that are said to be suboptimal anew, once: if that does not help, they will do.
+    fn improve(&mut self, suboptimal: bool) {
+        if suboptimal && !self.tolerated {
+            (self.outdated, self.tolerated) = (true, true);
         }
     }
 

@@ -191,6 +191,51 @@ fn a_flight_obeys_mouse_and_keys_and_leaves_validation_silent() {
     assert_eq!(stderr, "");
 }
 
+/// Ticks of the processor that a process has taken so far.
+fn ticks(process: u32) -> u64 {
+    let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap();
+    let fields: Vec<&str> = stat.rsplit(')').next().unwrap().split_whitespace().collect();
+    // User and system time are fields 14 and 15; the first after the name is the third.
+    fields[11..13].iter().map(|field| field.parse::<u64>().unwrap()).sum()
+}
+
+#[test]
+fn a_path_is_played_with_fewer_pixels_than_it_ends_with_and_then_nothing_is_drawn() {
+    let Some((_server, display)) = display() else { return skipped(&"no Xvfb; apt install xvfb") };
+    let folder = tempfile::tempdir().unwrap();
+    let planet = bake(folder.path());
+    let (path, report) = (folder.path().join("path.json"), folder.path().join("frames.json"));
+    let keyframe = |time: f64, altitude: f64| {
+        format!(
+            r#"{{"time_s": {time}, "latitude": 10, "longitude": {time}, "altitude_m": {altitude}, "heading": 0, "pitch": -60, "fov": 50}}"#
+        )
+    };
+    std::fs::write(&path, format!("[{}, {}]", keyframe(0.0, 9000.0), keyframe(3.0, 2000.0))).unwrap();
+    let mut command = terrane(&["fly", "--validate", "--size", "320x240", "--stored-only", "--frame-ms", "1", "--path"]);
+    command.arg(&path).arg("--report").arg(&report).arg(&planet).env("DISPLAY", &display);
+    let mut flight = Owned(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
+    // It flies for three seconds and stands for five: the last two of them are still, once exposure has adapted.
+    let mut taken = vec![0];
+    while flight.0.try_wait().unwrap().is_none() {
+        taken.push(ticks(flight.0.id()));
+        std::thread::sleep(Duration::from_millis(500));
+    }
+    let (code, _, stderr) = end(flight);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    let frames: Vec<serde_json::Value> = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
+    let (moving, standing): (Vec<_>, Vec<_>) = frames.iter().skip(1).partition(|frame| frame["moving"] == true);
+    assert!(moving.len() >= 3, "{} frames in flight", moving.len());
+    assert!(moving.iter().skip(1).all(|frame| frame["scale"] == 0.25), "a frame in flight has more pixels than its budget bears");
+    assert!(!standing.is_empty() && standing.iter().all(|frame| frame["scale"] == 1.0), "who stands does not see all pixels");
+    let time = |frame: &serde_json::Value| frame["time_s"].as_f64().unwrap();
+    let stood = time(frames.last().unwrap()) - time(moving.last().unwrap());
+    assert!(stood < 4.0, "the last frame came after {stood} s of standing still");
+    // The very last may have seen it closing.
+    let still = taken[taken.len() - 2] - taken[taken.len() - 4];
+    println!("{} frames in flight, {} standing, {still} ticks in the last second", moving.len(), standing.len());
+    assert!(still <= 5, "{still} ticks of the processor in a second in which nothing changed");
+}
+
 /// Exit code and output of a flight that was told to end.
 fn end(mut flight: Owned) -> (Option<i32>, String, String) {
     let begun = Instant::now();

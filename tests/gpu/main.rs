@@ -16,6 +16,7 @@ mod overflow;
 mod stills;
 mod textures;
 mod twins;
+mod upscale;
 
 // Where `checked` looks for it, here and in the unit tests of the layer.
 use terrane::vulkan;

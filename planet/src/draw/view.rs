@@ -120,6 +120,8 @@ pub struct View {
     pub orientation: Option<Orientation>,
     /// Whether patches wholly below the horizon are left out.
     pub horizon: bool,
+    /// Pixels drawn along a side for each pixel of the camera's picture: 1, but where a window draws fewer and enlarges them.
+    pub density: f64,
     /// The same numbers as the GPU sees them.
     pub gpu: FrameView,
 }
@@ -154,7 +156,20 @@ impl View {
             near: NEAR,
             clip: clip_matrix(&camera, &window, NEAR).to_cols_array_2d(),
         };
-        View { camera, window, eye, tolerance, scale, reach, falloff, planes, orientation: None, horizon: true, gpu }
+        View {
+            camera,
+            window,
+            eye,
+            tolerance,
+            scale,
+            reach,
+            falloff,
+            planes,
+            orientation: None,
+            horizon: true,
+            density: 1.0,
+            gpu,
+        }
     }
 
     /// The part of the same view that a window shows. Its frustum is that of the window, and so would be a mesh that was selected for
@@ -165,6 +180,11 @@ impl View {
         self.gpu.planes = self.planes.map(|p| p.as_vec3().to_array());
         self.gpu.clip = clip_matrix(&self.camera, &window, NEAR).to_cols_array_2d();
         self
+    }
+
+    /// The same view of the same mesh, drawn with so many pixels along a side for each of the camera's picture.
+    pub fn with_density(self, density: f64) -> View {
+        View { density, ..self }
     }
 
     /// The same view in which vertices out of sight are awake like others.

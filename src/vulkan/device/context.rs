@@ -37,6 +37,7 @@ pub struct Context {
     allocator: ManuallyDrop<Mutex<Allocator>>,
     /// Bytes of all buffers and images.
     pub(in crate::vulkan) allocated: AtomicU64,
+    pub(in crate::vulkan) allocations: AtomicU64,
     push_descriptor: khr::push_descriptor::Device,
     debug: Option<ext::debug_utils::Device>,
     device: ash::Device,
@@ -91,6 +92,7 @@ impl Context {
         Ok(Arc::new(Self {
             allocator: ManuallyDrop::new(Mutex::new(allocator)),
             allocated: AtomicU64::new(0),
+            allocations: AtomicU64::new(0),
             push_descriptor: khr::push_descriptor::Device::new(&instance.handle, &device),
             debug,
             device,
@@ -109,6 +111,11 @@ impl Context {
     /// Bytes of all buffers and images on the device: patches, textures, look-up tables, targets.
     pub fn allocated_bytes(&self) -> u64 {
         self.allocated.load(Ordering::Relaxed)
+    }
+
+    /// Allocations on the device since it was opened.
+    pub fn allocations(&self) -> u64 {
+        self.allocations.load(Ordering::Relaxed)
     }
 
     /// Samples a pixel that pictures are drawn with.

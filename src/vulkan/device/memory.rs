@@ -48,6 +48,7 @@ pub(crate) fn allocate(
     let allocation =
         context.allocator().allocate(&description).map_err(|error| allocation_error(name, requirements.size, &error))?;
     context.allocated.fetch_add(allocation.size(), Ordering::Relaxed);
+    context.allocations.fetch_add(1, Ordering::Relaxed);
     Ok(allocation)
 }
 

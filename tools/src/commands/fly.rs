@@ -1,13 +1,20 @@
 //! `terrane fly`: the planet in a window.
 
 use super::drawing::DrawOptions;
+use super::paths::load_path;
 use super::viewing::{report_messages, CameraOptions, Exposure};
 use super::{pictures, Run};
 use crate::Outcome;
+use anyhow::{bail, Context as _};
+use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
-use terrane::app::{fly, FlyOptions, HELP};
+use std::time::Duration;
+use terrane::app::{fly, FlyFrame, FlyOptions, Scale, HELP};
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
+
+/// How long the viewer stands at the end of a path whose frames are reported.
+const STANDS: Duration = Duration::from_secs(5);
 
 /// Fly over a planet in a window.
 #[derive(clap::Args)]
@@ -17,6 +24,23 @@ pub(crate) struct Fly {
     file: PathBuf,
     #[command(flatten)]
     camera: CameraOptions,
+    /// Pixels drawn along a side for each of the window's: always so many, or, with `auto`, as many as keep to `--frame-ms` while the
+    /// viewer moves, and all of them once they stand still.
+    #[arg(long, value_name = "auto|0.25..1", default_value = "auto", value_parser = scale)]
+    scale: Automatic,
+    /// Milliseconds that a moving frame may take before fewer pixels are drawn; 80 on software renderers unless told otherwise, and no
+    /// limit on others.
+    #[arg(long, value_name = "MS", value_parser = positive)]
+    frame_ms: Option<f64>,
+    /// Most frames a second; as many as the screen shows unless told otherwise.
+    #[arg(long, value_name = "FPS", value_parser = positive)]
+    max_fps: Option<f64>,
+    /// Play a path first: a JSON file as `bench` takes it, or `descent`, `flyover` or `plunge`.
+    #[arg(long, value_name = "PATH.json|NAME")]
+    path: Option<PathBuf>,
+    /// With `--path`: stand still at its end for five seconds, close the window, and write what every frame cost into this JSON file.
+    #[arg(long, value_name = "OUT", requires = "path")]
+    report: Option<PathBuf>,
     #[command(flatten)]
     draw: DrawOptions,
     /// Folder for the pictures that P and F12 save.
@@ -24,13 +48,37 @@ pub(crate) struct Fly {
     screenshots: PathBuf,
 }
 
+/// A scale as it is given: a number, or none for `auto`.
+#[derive(Clone, Copy, Debug)]
+struct Automatic(Option<f64>);
+
+fn scale(text: &str) -> anyhow::Result<Automatic> {
+    match text.parse::<f64>() {
+        _ if text == "auto" => Ok(Automatic(None)),
+        Ok(scale) if (0.25..=1.0).contains(&scale) => Ok(Automatic(Some(scale))),
+        _ => bail!("'{text}' is neither 'auto' nor a number from 0.25 to 1"),
+    }
+}
+
+fn positive(text: &str) -> anyhow::Result<f64> {
+    match text.parse::<f64>() {
+        Ok(number) if (0.1..=1e6).contains(&number) => Ok(number),
+        _ => bail!("'{text}' is not a number from 0.1 to 1e6"),
+    }
+}
+
 impl Run for Fly {
     fn run(self) -> anyhow::Result<Outcome> {
         let planet = Planet::from_header(PlanetFile::open(&self.file)?.header())?;
         let camera = self.camera.camera(&planet)?;
         let folder = self.screenshots;
+        let path = self.path.as_deref().map(load_path).transpose()?;
         let (report, ended) = fly(FlyOptions {
-            file: self.file,
+            file: self.file.clone(),
+            scale: self.scale.0.map(Scale::Fixed).or(self.frame_ms.map(Scale::Within)),
+            most_fps: self.max_fps,
+            path,
+            stand: self.report.as_ref().map(|_| STANDS),
             context: self.draw.gpu.options(),
             camera,
             scene: self.draw.patches.options()?,
@@ -43,9 +91,24 @@ impl Run for Fly {
         let reported = report_messages(&report.messages);
         ended?;
         reported?;
+        if let Some(out) = &self.report {
+            write_frames(out, &report.rows)?;
+        }
         println!("{} frames in {:.1} s", report.frames, report.seconds);
         Ok(Outcome::Done)
     }
+}
+
+/// Writes what every frame cost.
+fn write_frames(out: &Path, frames: &[FlyFrame]) -> anyhow::Result<()> {
+    let row = |f: &FlyFrame| {
+        json!({
+            "time_s": f.time_s, "interval_ms": f.interval_ms, "cpu_ms": f.cpu_ms, "moving": f.moving, "scale": f.density,
+            "patches": f.patches, "pending": f.pending, "allocations": f.allocations,
+        })
+    };
+    let text = serde_json::to_string_pretty(&frames.iter().map(row).collect::<Value>())?;
+    pictures::write_whole(out, text.as_bytes()).with_context(|| format!("cannot write the frames {}", out.display()))
 }
 
 /// Saves a picture under the first number that is free.
