@@ -35,6 +35,20 @@ pub enum VulkanError {
         /// One line per device.
         available: Vec<String>,
     },
+    /// Compute pipelines of the GPU cannot have subgroups of the size that was asked for.
+    #[error(
+        "{gpu}: subgroups of {wanted} were asked for, it has powers of two from {least} to {most}; `terrane gpus` lists them"
+    )]
+    SubgroupSize {
+        /// The GPU.
+        gpu: String,
+        /// What was asked for.
+        wanted: u32,
+        /// The least that it has.
+        least: u32,
+        /// The most.
+        most: u32,
+    },
     /// Validation was asked for but its layer is not installed.
     #[error(
         "the validation layer VK_LAYER_KHRONOS_validation was not found; install it \

@@ -13,7 +13,7 @@ use super::instance::Instance;
 use super::memory::allocation_error;
 use super::messages::{MessageLog, ValidationMessage};
 use super::surface::{Surface, Window};
-use crate::vulkan::error::{api, Result};
+use crate::vulkan::error::{api, Result, VulkanError};
 
 /// How to create a [`Context`].
 #[derive(Debug, Clone, Default)]
@@ -25,6 +25,8 @@ pub struct ContextOptions {
     /// Samples a pixel for the ground's edges: 1, 2, 4 or 8, or fewer where the device has no more. `None` is 4, and 1
     /// on software renderers, which pay for every sample.
     pub samples: Option<u32>,
+    /// Invocations per subgroup of compute pipelines, a power of two within [`GpuInfo::subgroup_sizes`]; the device's usual if `None`.
+    pub subgroup_size: Option<u32>,
 }
 
 /// Samples a pixel, unless told otherwise.
@@ -69,7 +71,10 @@ impl Context {
     }
 
     fn on_instance(instance: Arc<Instance>, surface: Option<vk::SurfaceKHR>, options: &ContextOptions) -> Result<Arc<Self>> {
-        let gpu = choose(&instance, surface, &options.gpu)?;
+        let mut gpu = choose(&instance, surface, &options.gpu)?;
+        if let Some(size) = options.subgroup_size {
+            gpu.info.subgroup_size = subgroup_size(&gpu.info, size)?;
+        }
         let device = create_device(&instance, &gpu, surface.is_some())?;
         let allocator = match create_allocator(&instance, &gpu, &device) {
             Ok(allocator) => allocator,
@@ -235,6 +240,15 @@ fn create_allocator(instance: &Instance, gpu: &Gpu, device: &ash::Device) -> Res
         allocation_sizes: gpu_allocator::AllocationSizes::default(),
     })
     .map_err(|error| allocation_error("the allocator", 0, &error))
+}
+
+/// The size of subgroups that is asked for, if compute pipelines of the GPU can have it.
+fn subgroup_size(gpu: &GpuInfo, wanted: u32) -> Result<u32> {
+    let [least, most] = gpu.subgroup_sizes;
+    if wanted.is_power_of_two() && (least..=most).contains(&wanted) {
+        return Ok(wanted);
+    }
+    Err(VulkanError::SubgroupSize { gpu: gpu.name.clone(), wanted, least, most })
 }
 
 /// Most samples that colour and depth targets, drawn to and then sampled, can have.

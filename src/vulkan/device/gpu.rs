@@ -77,8 +77,10 @@ pub struct GpuInfo {
     pub vendor_id: u32,
     /// PCI device id.
     pub device_id: u32,
-    /// Invocations per subgroup.
+    /// Invocations per subgroup: of a [`Context`](crate::vulkan::Context)'s, those that it asks for.
     pub subgroup_size: u32,
+    /// Fewest and most invocations per subgroup that compute pipelines may ask for; both are `subgroup_size` where they may not.
+    pub subgroup_sizes: [u32; 2],
     /// Why it cannot be used; empty if it can.
     pub unusable: Vec<String>,
 }
@@ -101,6 +103,8 @@ pub(crate) struct Gpu {
     pub(crate) queue_family: u32,
     pub(crate) timestamp_bits: u32,
     pub(crate) extras: Extras,
+    /// Most subgroups of a workgroup that asks for their size; 0 where none may.
+    pub(crate) most_subgroups: u32,
 }
 
 /// Lists the GPUs of this machine, usable or not.
@@ -142,7 +146,8 @@ fn inspect_all(instance: &Instance, surface: Option<vk::SurfaceKHR>) -> Result<V
 fn inspect(instance: &Instance, surface: Option<vk::SurfaceKHR>, index: usize, handle: vk::PhysicalDevice) -> Result<Gpu> {
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
-    let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver).push_next(&mut subgroup);
+    let mut sizes = vk::PhysicalDeviceSubgroupSizeControlProperties::default();
+    let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver).push_next(&mut subgroup).push_next(&mut sizes);
     // SAFETY: the device belongs to this instance; structures of versions that it lacks are left as they are.
     unsafe { instance.handle.get_physical_device_properties2(handle, &mut all) };
     let properties = all.properties;
@@ -160,6 +165,10 @@ fn inspect(instance: &Instance, surface: Option<vk::SurfaceKHR>, index: usize, h
         unusable.push("a queue for graphics, compute and this window".to_owned());
     }
     let (queue_family, timestamp_bits) = family.unwrap_or_default();
+    let extras = Extras::query(instance, handle);
+    let chooses = extras.subgroup_size_control && sizes.required_subgroup_size_stages.contains(vk::ShaderStageFlags::COMPUTE);
+    let most_subgroups = if chooses { sizes.max_compute_workgroup_subgroups } else { 0 };
+    let size = subgroup.subgroup_size;
     let info = GpuInfo {
         index,
         name: text(properties.device_name_as_c_str().ok()),
@@ -169,11 +178,11 @@ fn inspect(instance: &Instance, surface: Option<vk::SurfaceKHR>, index: usize, h
         api_version: version(properties.api_version),
         vendor_id: properties.vendor_id,
         device_id: properties.device_id,
-        subgroup_size: subgroup.subgroup_size,
+        subgroup_size: size,
+        subgroup_sizes: if chooses { [sizes.min_subgroup_size, sizes.max_subgroup_size] } else { [size; 2] },
         unusable,
     };
-    let extras = Extras::query(instance, handle);
-    Ok(Gpu { handle, info, limits: properties.limits, queue_family, timestamp_bits, extras })
+    Ok(Gpu { handle, info, limits: properties.limits, queue_family, timestamp_bits, extras, most_subgroups })
 }
 
 fn missing_extensions(instance: &Instance, handle: vk::PhysicalDevice, wanted: &[&CStr]) -> Result<Vec<String>> {

@@ -34,11 +34,21 @@ impl ComputePipeline {
         let module = Module::new(context, shader)?;
         let specialization = Specialization::new(specialization);
         let specialization = specialization.info();
-        let stage = vk::PipelineShaderStageCreateInfo::default()
+        // Unless told, devices may choose other sizes than the one they name.
+        let subgroup = context.device_info().subgroup_size;
+        let mut required = vk::PipelineShaderStageRequiredSubgroupSizeCreateInfo::default().required_subgroup_size(subgroup);
+        let mut stage = vk::PipelineShaderStageCreateInfo::default()
             .stage(vk::ShaderStageFlags::COMPUTE)
             .module(module.handle)
             .name(c"main")
             .specialization_info(&specialization);
+        let invocations: u32 = workgroup_size.iter().product();
+        if invocations <= subgroup.saturating_mul(context.gpu().most_subgroups) {
+            stage = stage.push_next(&mut required);
+            if workgroup_size[0].is_multiple_of(subgroup) {
+                stage = stage.flags(vk::PipelineShaderStageCreateFlags::REQUIRE_FULL_SUBGROUPS);
+            }
+        }
         let info = vk::ComputePipelineCreateInfo::default().stage(stage).layout(raw.layout);
         let cache = vk::PipelineCache::null();
         // SAFETY: module, layout and specialization outlive the call.

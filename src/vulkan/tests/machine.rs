@@ -31,6 +31,20 @@ fn a_gpu_that_does_not_exist_is_an_error_that_lists_the_others() {
     }
 }
 
+#[test]
+fn subgroups_have_the_size_that_is_asked_for_or_none_is_made() {
+    let Some(context) = device() else { return };
+    let [least, most] = context.device_info().subgroup_sizes;
+    let with = |size| Context::new(&ContextOptions { subgroup_size: Some(size), ..ContextOptions::default() });
+    for size in [least, most] {
+        assert_eq!(with(size).unwrap().device_info().subgroup_size, size);
+    }
+    for size in [2 * most, most - 1] {
+        let error = with(size).err().unwrap();
+        assert!(matches!(error, VulkanError::SubgroupSize { wanted, .. } if wanted == size), "{error:?}");
+    }
+}
+
 /// Says what `list_gpus` says, for the next test, which runs it without drivers.
 #[test]
 #[ignore = "run by the next test"]

@@ -33,7 +33,7 @@ use terrane_planet::draw::camera_path::Keyframe;
 pub(crate) struct Bench {
     /// Planet file.
     file: PathBuf,
-    /// Keyframes: a JSON file, or `descent`, `flyover` or `plunge`, which come with the command.
+    /// Keyframes: a JSON file, or `descent`, `flyover`, `ground` or `plunge`, which come with the command.
     #[arg(long, value_name = "PATH.json|NAME", required_unless_present = "first_look")]
     path: Option<PathBuf>,
     /// Frames to measure.

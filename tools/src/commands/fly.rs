@@ -35,7 +35,7 @@ pub(crate) struct Fly {
     /// Most frames a second; as many as the screen shows unless told otherwise.
     #[arg(long, value_name = "FPS", value_parser = positive)]
     max_fps: Option<f64>,
-    /// Play a path first: a JSON file as `bench` takes it, or `descent`, `flyover` or `plunge`.
+    /// Play a path first: a JSON file as `bench` takes it, or `descent`, `flyover`, `ground` or `plunge`.
     #[arg(long, value_name = "PATH.json|NAME")]
     path: Option<PathBuf>,
     /// With `--path`: stand still at its end for five seconds, close the window, and write what every frame cost into this JSON file.

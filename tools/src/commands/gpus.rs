@@ -24,7 +24,7 @@ impl Run for Gpus {
             println!("{}: {} ({})", gpu.index, gpu.name, gpu.kind.as_str());
             println!("   driver {} {}, Vulkan {}", gpu.driver, gpu.driver_info, gpu.api_version);
             match gpu.unusable.as_slice() {
-                [] => println!("   usable, subgroups of {}", gpu.subgroup_size),
+                [] => println!("   usable, subgroups of {}", subgroups(gpu)),
                 lacks => println!("   not usable: it lacks {}", lacks.join(", ")),
             }
         }
@@ -32,10 +32,17 @@ impl Run for Gpus {
     }
 }
 
+fn subgroups(gpu: &GpuInfo) -> String {
+    match gpu.subgroup_sizes {
+        [least, most] if least < most => format!("{}, or {least} to {most}", gpu.subgroup_size),
+        _ => gpu.subgroup_size.to_string(),
+    }
+}
+
 fn entry(gpu: &GpuInfo) -> serde_json::Value {
     json!({
         "index": gpu.index, "name": gpu.name, "kind": gpu.kind.as_str(), "driver": gpu.driver, "driver_info": gpu.driver_info,
-        "api_version": gpu.api_version, "subgroup_size": gpu.subgroup_size, "usable": gpu.unusable.is_empty(),
+        "api_version": gpu.api_version, "subgroup_size": gpu.subgroup_size, "subgroup_sizes": gpu.subgroup_sizes, "usable": gpu.unusable.is_empty(),
         "lacks": gpu.unusable,
     })
 }

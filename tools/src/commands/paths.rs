@@ -5,9 +5,10 @@ use std::path::Path;
 use terrane_planet::draw::camera_path::{CameraPath, Keyframe};
 
 /// Paths that come with the command.
-const BUILT_IN: [(&str, &str); 3] = [
+const BUILT_IN: [(&str, &str); 4] = [
     ("descent", include_str!("../../paths/descent.json")),
     ("flyover", include_str!("../../paths/flyover.json")),
+    ("ground", include_str!("../../paths/ground.json")),
     ("plunge", include_str!("../../paths/plunge.json")),
 ];
 

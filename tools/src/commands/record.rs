@@ -31,7 +31,7 @@ const MOST_FRAMES: f64 = 999_999.0;
 pub(crate) struct Record {
     /// Planet file.
     file: PathBuf,
-    /// Keyframes: a JSON file, or `descent`, `flyover` or `plunge`, which come with the command.
+    /// Keyframes: a JSON file, or `descent`, `flyover`, `ground` or `plunge`, which come with the command.
     #[arg(long, value_name = "PATH.json|NAME")]
     path: PathBuf,
     /// Frames a second, 0.1 to 240.

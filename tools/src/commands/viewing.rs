@@ -44,6 +44,9 @@ pub(crate) struct GpuOptions {
     /// Samples a pixel for smooth edges of the ground; 4 unless told otherwise, and 1 on software renderers.
     #[arg(long, value_name = "1|2|4|8", value_parser = samples)]
     msaa: Option<u32>,
+    /// Invocations per subgroup of the compute stages, where the GPU can choose (`terrane gpus` lists the sizes): for checks.
+    #[arg(long, value_name = "N")]
+    subgroup: Option<u32>,
 }
 
 fn samples(text: &str) -> anyhow::Result<u32> {
@@ -60,7 +63,7 @@ impl GpuOptions {
             None => GpuChoice::Auto,
             Some(text) => text.parse().map_or_else(|_| GpuChoice::Name(text.clone()), GpuChoice::Index),
         };
-        ContextOptions { gpu, validation: self.validate, samples: self.msaa }
+        ContextOptions { gpu, validation: self.validate, samples: self.msaa, subgroup_size: self.subgroup }
     }
 
     /// A context without a window.
