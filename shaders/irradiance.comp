@@ -18,7 +18,7 @@ vec3 sky(float height, vec3 ray, vec3 sun) {
         float t = 0.5 * (from + to) * whole;
         vec2 reached = after(height, ray.z, t);
         Medium medium = medium_at(reached.x);
-        Source source = source_at(medium, reached.x, (r * sun.z + t * nu) / reached.y, phase);
+        Source source = source_at(medium, level_at(reached.x), (r * sun.z + t * nu) / reached.y, phase);
         vec3 here = exp(-medium.extinction * (to - from) * whole);
         sum += passed * (1.0 - here) * (source.molecules + haze_phase * source.haze) / max(medium.extinction, vec3(1e-20));
         passed *= here;

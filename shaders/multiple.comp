@@ -10,7 +10,7 @@ layout(rgba16f, binding = 1) uniform writeonly image2D table;
 // and what would come if the air shone with a radiance of 1.
 void look(float height, vec3 ray, vec3 sun, out vec3 second, out vec3 share) {
     second = share = vec3(0.0);
-    bool to_ground = ray.z < horizon_cosine(height);
+    bool to_ground = ray.z < horizon_cosine(level_at(height));
     float whole = way_length(height, ray.z, to_ground), r = bottom_radius() + height, nu = dot(ray, sun);
     vec3 passed = vec3(1.0);
     for (int k = 0; k < MULTIPLE_STEPS; ++k) {
@@ -22,13 +22,13 @@ void look(float height, vec3 ray, vec3 sun, out vec3 second, out vec3 share) {
         Medium medium = medium_at(reached.x);
         vec3 here = exp(-medium.extinction * (to - from) * whole);
         vec3 weight = passed * (1.0 - here) * (medium.rayleigh + medium.mie) / max(medium.extinction, vec3(1e-20));
-        second += weight * sun_share(reached.x, (r * sun.z + t * nu) / reached.y) / (4.0 * PI);
+        second += weight * sun_share(level_at(reached.x), (r * sun.z + t * nu) / reached.y) / (4.0 * PI);
         share += weight;
         passed *= here;
     }
     if (to_ground) {
         float c = (r * sun.z + whole * nu) / bottom_radius();
-        second += passed * shading.ground_albedo / PI * sun_share(0.0, c) * max(c, 0.0);
+        second += passed * shading.ground_albedo / PI * sun_share(level_at(0.0), c) * max(c, 0.0);
     }
 }
 

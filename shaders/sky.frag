@@ -33,7 +33,7 @@ vec3 sun_disc(vec3 ray) {
 // Its glare on the sky about it, without which the disc would be a hole punched into paper; as far as the planet does not hide it.
 vec3 sun_glare(vec3 ray) {
     vec3 chord = ray - shading.sun;
-    float visible = sun_visibility(max(shading.height_m - shading.air_bottom, 0.0), dot(shading.vertical, shading.sun));
+    float visible = sun_visibility(level_at(max(shading.height_m - shading.air_bottom, 0.0)), dot(shading.vertical, shading.sun));
     float away = dot(chord, chord) + SUN_RADIUS * SUN_RADIUS;
     return vec3(SUN * visible * GLARE / (away * sqrt(away)));
 }

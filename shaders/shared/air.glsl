@@ -13,14 +13,20 @@ struct Medium {
     vec3 extinction;
 };
 
-Medium medium_at(float height) {
+// Densities of molecules, haze and ozone, over those at the datum.
+vec3 densities_at(float height) {
     float h = height + shading.air_bottom;
-    float molecules = exp(-h / shading.scale_height);
-    float haze = exp(-h / shading.mie_scale_height);
     float ozone = max(1.0 - abs(h - shading.ozone_height) / shading.ozone_reach, 0.0);
-    vec3 rayleigh = shading.rayleigh * molecules;
-    return Medium(rayleigh, shading.mie * haze, rayleigh + shading.mie_extinction * haze + shading.ozone * ozone);
+    return vec3(exp(-h / shading.scale_height), exp(-h / shading.mie_scale_height), ozone);
 }
+
+Medium medium_of(vec3 densities) {
+    vec3 rayleigh = shading.rayleigh * densities.x;
+    vec3 extinction = rayleigh + shading.mie_extinction * densities.y + shading.ozone * densities.z;
+    return Medium(rayleigh, shading.mie * densities.y, extinction);
+}
+
+Medium medium_at(float height) { return medium_of(densities_at(height)); }
 
 float bottom_radius() { return shading.radius + shading.air_bottom; }
 float thickness() { return shading.air_top - shading.air_bottom; }
@@ -45,11 +51,16 @@ float mie_phase(float c) {
     return 3.0 / (8.0 * PI) * (1.0 - g * g) / (2.0 + g * g) * (1.0 + c * c) / (base * sqrt(base));
 }
 
-// Cosine of the lowest ground's horizon as seen from a height.
-float horizon_cosine(float height) {
-    float r = bottom_radius();
-    return -sqrt(height * (2.0 * r + height)) / (r + height);
-}
+// A height, and how far the lowest ground's horizon is from there.
+struct Level {
+    float height;
+    float to_horizon;
+};
+
+// Cosine of that horizon against the vertical.
+float horizon_cosine(Level level) { return -level.to_horizon / (bottom_radius() + level.height); }
+
+Level level_at(float height) { return Level(height, sqrt(height * (2.0 * bottom_radius() + height))); }
 
 // Length of a ray from a height to the lowest ground, or to the air's upper edge.
 float way_length(float height, float c, bool to_ground) {
@@ -78,11 +89,10 @@ vec2 from_texel(ivec2 texel, ivec2 size) { return vec2(texel) / vec2(size - 1); 
 
 // --- Transmittance to the air's upper edge, by height and cosine. ---
 
-vec2 transmittance_coordinates(float height, float c) {
-    float bottom = bottom_radius(), top = thickness();
-    float rho = sqrt(height * (2.0 * bottom + height)), edge = sqrt(top * (2.0 * bottom + top));
-    float nearest = top - height, farthest = rho + edge;
-    return vec2((way_length(height, c, false) - nearest) / (farthest - nearest), rho / edge);
+vec2 transmittance_coordinates(Level level, float c) {
+    float bottom = bottom_radius(), top = thickness(), edge = sqrt(top * (2.0 * bottom + top));
+    float nearest = top - level.height, farthest = level.to_horizon + edge;
+    return vec2((way_length(level.height, c, false) - nearest) / (farthest - nearest), level.to_horizon / edge);
 }
 
 // The inverse: height and cosine.
@@ -95,8 +105,10 @@ vec2 transmittance_ray(vec2 coordinates) {
     return vec2(height, clamp(c, -1.0, 1.0));
 }
 
-// Share of the sun's disc above the horizon of a height.
-float sun_visibility(float height, float c) { return smoothstep(-SUN_RADIUS, SUN_RADIUS, c - horizon_cosine(height)); }
+// Share of the sun's disc above the horizon of a level.
+float sun_visibility(Level level, float c) {
+    return smoothstep(-SUN_RADIUS, SUN_RADIUS, c - horizon_cosine(level));
+}
 
 // --- Tables by the sun's cosine and by height, both finest near 0. ---
 

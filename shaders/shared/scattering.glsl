@@ -13,9 +13,9 @@ struct Source {
     vec3 haze;
 };
 
-Source source_at(Medium medium, float height, float c, float phase) {
-    vec3 arriving = sun_share(height, c);
-    vec3 again = textureLod(multiple, to_texels(sun_coordinates(height, c), textureSize(multiple, 0)), 0.0).rgb;
+Source source_at(Medium medium, Level level, float c, float phase) {
+    vec3 arriving = sun_share(level, c);
+    vec3 again = textureLod(multiple, to_texels(sun_coordinates(level.height, c), textureSize(multiple, 0)), 0.0).rgb;
     return Source(medium.rayleigh * arriving * phase + (medium.rayleigh + medium.mie) * again, medium.mie * arriving);
 }
 

@@ -21,15 +21,15 @@ const TRANSMITTANCE: (u32, u32) = (256, 64);
 /// Multiple scattering and irradiance: elevations of the sun and heights.
 const BY_SUN: (u32, u32) = MULTIPLE_TABLE;
 /// Latitudes of the eye's rays, half of them below the horizon.
-const LATITUDES: u32 = 176;
+const LATITUDES: u32 = 128;
 /// Azimuths from the sun's to the opposite one; the other half of the sky is the mirror image.
-const AZIMUTHS: u32 = 64;
+const AZIMUTHS: u32 = 40;
 /// Shares of the way at which optical depths are kept.
 const SHARES: u32 = 48;
 /// Parts of a ray at which scattered light is kept.
 const SLICES: u32 = 16;
-/// Points of a ray at which scattering is sampled: six to a slice.
-const NODES: u32 = 6 * (SLICES - 1) + 1;
+/// Points of a ray at which scattering is sampled: four to a slice (parabolas go through two and two).
+const NODES: u32 = 4 * (SLICES - 1) + 1;
 
 /// Format of the tables.
 const TABLE_FORMAT: vk::Format = vk::Format::R16G16B16A16_SFLOAT;
@@ -41,7 +41,8 @@ pub(super) struct Air {
     multiple: Image,
     irradiance: Image,
     columns: Image,
-    nodes: Image,
+    /// What the lights of a row's nodes share: light that passes, levels, densities.
+    nodes: [Image; 3],
     scattered: Image,
     haze: Image,
     linear: Sampler,
@@ -68,6 +69,7 @@ impl Air {
             let usage = vk::ImageUsageFlags::STORAGE | vk::ImageUsageFlags::SAMPLED;
             Image::new(context, &ImageDescription { layers, ..ImageDescription::new(name, size, format, usage) })
         };
+        let node_table = |name| table(name, (NODES, LATITUDES), 1, vk::Format::R32G32B32A32_SFLOAT);
         let air = Air {
             pipelines: Pipelines {
                 transmittance: pipeline(&shaders::TRANSMITTANCE_COMP)?,
@@ -80,7 +82,7 @@ impl Air {
             multiple: table("multiple scattering", BY_SUN, 1, TABLE_FORMAT)?,
             irradiance: table("irradiance", BY_SUN, 1, TABLE_FORMAT)?,
             columns: table("columns", (SHARES, LATITUDES), 1, TABLE_FORMAT)?,
-            nodes: table("nodes", (NODES, LATITUDES), 1, vk::Format::R32G32B32A32_SFLOAT)?,
+            nodes: [node_table("nodes")?, node_table("levels")?, node_table("densities")?],
             scattered: table("scattered light", (AZIMUTHS, LATITUDES), SLICES, TABLE_FORMAT)?,
             haze: table("haze", (AZIMUTHS, LATITUDES), SLICES, TABLE_FORMAT)?,
             linear: Sampler::new(context, "tables", &SamplerDescription::default())?,
@@ -92,8 +94,10 @@ impl Air {
         Ok(air)
     }
 
-    fn tables(&self) -> [&Image; 7] {
-        [&self.transmittance, &self.multiple, &self.irradiance, &self.columns, &self.nodes, &self.scattered, &self.haze]
+    fn tables(&self) -> [&Image; 9] {
+        let [nodes, levels, densities] = &self.nodes;
+        let Air { transmittance, multiple, irradiance, .. } = self;
+        [transmittance, multiple, irradiance, &self.columns, nodes, levels, densities, &self.scattered, &self.haze]
     }
 
     /// Records what this frame needs: nothing on planets without air, the lasting tables where the medium is new.
@@ -122,10 +126,14 @@ impl Air {
     fn record_eye(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
         let shading = ("ShadingBlock", Resource::Storage(buffers.shading()));
         let pipelines = &self.pipelines;
-        self.fill(commands, &pipelines.columns, &[("columns", &self.columns), ("nodes", &self.nodes)], &[shading])?;
+        let [nodes, levels, densities] = &self.nodes;
+        let by_row = [("columns", &self.columns), ("nodes", nodes), ("levels", levels), ("densities", densities)];
+        self.fill(commands, &pipelines.columns, &by_row, &[shading])?;
         let written = [("scattered_table", &self.scattered), ("haze_table", &self.haze)];
         let [transmittance, _] = self.light();
-        let read = [shading, transmittance, self.sampled("multiple", &self.multiple), self.sampled("nodes", &self.nodes)];
+        let multiple = self.sampled("multiple", &self.multiple);
+        let [nodes, levels, densities] = [by_row[1], by_row[2], by_row[3]].map(|(name, table)| self.sampled(name, table));
+        let read = [shading, transmittance, multiple, nodes, levels, densities];
         self.fill(commands, &pipelines.aerial, &written, &read)
     }
 
