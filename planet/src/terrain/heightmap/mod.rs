@@ -12,7 +12,7 @@ use crate::recipe::{self, HeightScale, Recipe, RecipeError};
 use cover::Cover;
 use footprint::{Footprint, Spot};
 use terrane_heightfield::import;
-use terrane_heightfield::import::{Imported, Values};
+use terrane_heightfield::import::{ImportError, Imported, Values};
 
 /// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
 fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
@@ -81,15 +81,32 @@ impl Scale {
     }
 }
 
+/// The files of a layer, as one image.
+fn read(map: &recipe::Heightmap, recipe: &Recipe) -> Result<Imported, RecipeError> {
+    let fault = |e: ImportError| {
+        let found = if map.files.len() > 1 { format!("{} in {}", e.found, e.file) } else { e.found.into() };
+        recipe.heightmap_error(map, found, &format!("{}; {}", e.expected, e.advice))
+    };
+    let mut images = Vec::new();
+    for file in &map.files {
+        let asset = recipe.assets.iter().find(|a| a.name == *file);
+        let asset = asset.ok_or_else(|| recipe.heightmap_error(map, "no such asset".into(), "its bytes among the assets"))?;
+        let image = import::read_with(&asset.bytes, &asset.name, &map.reading).map_err(fault)?;
+        images.push((file.clone(), image));
+    }
+    let image = import::join(images).map_err(fault)?;
+    for note in &image.notes {
+        tracing::warn!("{}: {note}", map.files.join(", "));
+    }
+    Ok(image)
+}
+
 impl Evaluate for Heightmap {
     type Recipe = recipe::Heightmap;
 
     fn new(_: u64, map: &recipe::Heightmap, recipe: &Recipe) -> Result<Self, RecipeError> {
         let fault = |found: String, expected: &str| recipe.heightmap_error(map, found, expected);
-        let asset = recipe.assets.iter().find(|a| a.name == map.file);
-        let asset = asset.ok_or_else(|| fault("no such asset".into(), "its bytes among the assets"))?;
-        let image = import::read(&asset.bytes, &asset.name)
-            .map_err(|e| fault(e.found.into(), &format!("{}; {}", e.expected, e.fault.advice())))?;
+        let image = read(map, recipe)?;
         let scale = Scale::new(&image, &map.heights).map_err(|(found, expected)| fault(found, expected))?;
         let footprint =
             Footprint::new(&image, &map.placement, recipe.radius).map_err(|(found, expected)| fault(found, &expected))?;
