@@ -7,13 +7,13 @@ use crate::Outcome;
 use anyhow::{bail, ensure, Context as _};
 use glam::DVec3;
 use indicatif::{ProgressBar, ProgressStyle};
-use input::Input;
+use input::{Gaps, Input};
 use serde_json::{json, Value};
-use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::io::{IsTerminal, Write as _};
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use terrane_heightfield::classic::{Cost, Level, Levels};
-use terrane_heightfield::Heightfield;
+use terrane_heightfield::{Heightfield, Holes};
 use terrane_planet::export::{Format, Model, EXTENSIONS};
 
 /// What chooses the vertices that go first.
@@ -51,8 +51,10 @@ pub(crate) struct Simplify {
     /// flipped, which lowers the largest error by a quarter to a third at the same number of triangles.
     #[arg(long)]
     keep_samples: bool,
-    #[arg(long, help = format!("File to write: {EXTENSIONS}"))]
+    #[arg(long, help = format!("File to write: {EXTENSIONS}; - for stdout, with --format"))]
     out: PathBuf,
+    #[arg(long, help = format!("Format of stdout: {EXTENSIONS}"))]
+    format: Option<String>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -67,20 +69,32 @@ enum Goal {
 
 impl Run for Simplify {
     fn run(self) -> anyhow::Result<Outcome> {
-        let format = Format::of(&self.out)?;
+        let format = self.mesh_format()?;
         let goals = self.goals()?;
+        let cuts = self.input.gaps == Gaps::Cut;
+        ensure!(
+            !cuts || self.cost.cost() == Cost::Certified,
+            "--gaps cut: found --cost {}, expected certified",
+            self.cost.cost().name()
+        );
         let mut read = self.input.read(self.cost.bytes_a_sample())?;
         let described = read.described();
         let (image, scale) = (&mut read.image, read.scale);
-        let filled = image.field.fill_gaps();
-        if filled > 0 {
-            eprintln!(
-                "terrane: filled {filled} of {} samples, which hold no data, from their surroundings",
-                image.field.heights().len()
-            );
+        let holes = Holes::of(&image.field).filter(|_| self.input.gaps == Gaps::Cut);
+        let samples = image.field.heights().len();
+        let mut filled = image.field.fill_gaps();
+        match &holes {
+            Some(holes) => {
+                eprintln!("terrane: {} of {samples} samples hold no data, and become holes", holes.count());
+                filled = 0;
+            }
+            None if filled > 0 => {
+                eprintln!("terrane: filled {filled} of {samples} samples, which hold no data, from their surroundings");
+            }
+            None => (),
         }
         let begun = Instant::now();
-        let mut levels = simplified(&image.field, self.cost.cost())?;
+        let mut levels = simplified(&image.field, holes, self.cost.cost())?;
         if !self.keep_samples {
             levels = levels.with_polish();
         }
@@ -115,17 +129,41 @@ impl CostOption {
 }
 
 /// All levels of a field; says so on stderr, since it can take minutes.
-fn simplified(field: &Heightfield, cost: Cost) -> anyhow::Result<Levels<'_>> {
+fn simplified(field: &Heightfield, holes: Option<Holes>, cost: Cost) -> anyhow::Result<Levels<'_>> {
     let collapses = (field.heights().len() - 4) as u64;
     eprintln!("terrane: simplifying {} x {} samples by {} cost", field.columns(), field.rows(), cost.name());
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new(collapses) } else { ProgressBar::hidden() };
     bar.set_style(ProgressStyle::with_template("{bar:40} {percent}% {eta}")?);
-    let levels = Levels::new(field, cost, &mut |done| bar.set_position(done as u64))?;
+    let mut progress = |done| bar.set_position(done as u64);
+    let levels = match holes {
+        Some(holes) => Levels::around(field, holes, &mut progress)?,
+        None => Levels::new(field, cost, &mut progress)?,
+    };
     bar.finish_and_clear();
     Ok(levels)
 }
 
 impl Simplify {
+    /// Whether the mesh goes to stdout.
+    fn to_stdout(&self) -> bool {
+        self.out == Path::new("-")
+    }
+
+    fn mesh_format(&self) -> anyhow::Result<Format> {
+        let Some(name) = &self.format else {
+            ensure!(!self.to_stdout(), "--out -: found no --format, expected the format of stdout: {EXTENSIONS}");
+            return Ok(Format::of(&self.out)?);
+        };
+        ensure!(
+            self.to_stdout(),
+            "--format: found --out {}, expected --out -: files have the format of their name",
+            self.out.display()
+        );
+        ensure!(self.faces.len() + self.error.len() == 1, "--out -: found several levels, expected one, or the name of a file");
+        ensure!(!self.json, "--out -: found --json, expected one or the other: both would go to stdout");
+        Ok(Format::of(&Path::new("stdout").with_extension(name.trim_start_matches('.')))?)
+    }
+
     fn goals(&self) -> anyhow::Result<Vec<Goal>> {
         for &faces in &self.faces {
             ensure!(faces >= 2, "--faces: found {faces}, expected 2 or more: a rectangle has no fewer triangles");
@@ -154,14 +192,7 @@ impl Simplify {
         }
     }
 
-    fn write_level(
-        &self,
-        levels: &mut Levels,
-        goal: Goal,
-        several: bool,
-        format: Format,
-        scale: DVec3,
-    ) -> anyhow::Result<Value> {
+    fn write_level(&self, levels: &mut Levels, goal: Goal, several: bool, format: Format, scale: DVec3) -> anyhow::Result<Value> {
         let begun = Instant::now();
         let Level { surface, deviation } = match goal {
             Goal::Faces(faces) => levels.of_faces(faces),
@@ -169,16 +200,25 @@ impl Simplify {
         };
         let path = self.path(goal, several);
         let bytes = Model::of_heightfield(&surface, scale).encode(format)?;
-        pictures::write_whole(&path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
+        if self.to_stdout() {
+            std::io::stdout().lock().write_all(&bytes).context("cannot write the mesh to stdout")?;
+        } else {
+            pictures::write_whole(&path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
+        }
         let (faces, vertices) = (surface.faces.len(), surface.positions.len());
         let (max, rms) = (deviation.max * scale.z, deviation.rms * scale.z);
         let seconds = begun.elapsed().as_secs_f64();
         if !self.json {
             let megabytes = bytes.len() as f64 / 1e6;
-            println!(
+            let said = format!(
                 "{}: {faces} triangles, {vertices} vertices, error up to {max:.3} m, {rms:.3} m rms, {megabytes:.1} MB",
                 path.display()
             );
+            if self.to_stdout() {
+                eprintln!("{said}");
+            } else {
+                println!("{said}");
+            }
         }
         Ok(json!({
             "faces": faces, "vertices": vertices, "max_error": max, "rms_error": rms, "uncovered": deviation.uncovered,
@@ -187,9 +227,12 @@ impl Simplify {
     }
 
     fn summary(&self, mut described: Value, filled: usize, seconds: f64, levels: Vec<Value>) -> Value {
+        // Surfaces with holes keep their samples.
+        let whole = self.input.gaps == Gaps::Fill || described["gaps"] == 0;
+        let polished = !self.keep_samples && self.cost.cost() == Cost::Certified && whole;
         let own = json!({
             "heightfield": self.input.files[0], "heightfields": self.input.files, "filled": filled, "cost": self.cost.cost().name(),
-            "polished": !self.keep_samples && self.cost.cost() == Cost::Certified, "simplify_seconds": seconds, "levels": levels,
+            "polished": polished, "simplify_seconds": seconds, "levels": levels,
         });
         if let (Value::Object(all), Value::Object(own)) = (&mut described, own) {
             all.extend(own);

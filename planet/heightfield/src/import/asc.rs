@@ -31,7 +31,9 @@ pub(super) fn read(source: &Source, projection: Option<&str>) -> Result<Imported
     let text = std::str::from_utf8(source.bytes).map_err(|e| damaged(e.to_string(), "an Esri ASCII grid in ASCII"))?;
     let mut words = text.split_ascii_whitespace().peekable();
     let mut header = Header::default();
-    while let Some(name) = words.next_if(|word| word.starts_with(|c: char| c.is_ascii_alphabetic()) && !word.eq_ignore_ascii_case("nan")) {
+    while let Some(name) =
+        words.next_if(|word| word.starts_with(|c: char| c.is_ascii_alphabetic()) && !word.eq_ignore_ascii_case("nan"))
+    {
         let value = words.next().unwrap_or_default();
         header.take(name, value).ok_or_else(|| damaged(format!("'{name} {value}'"), "a line of an Esri ASCII grid's header"))?;
     }

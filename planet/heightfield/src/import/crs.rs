@@ -4,6 +4,7 @@
 //! Datums are not shifted into one another: degrees stay as they are.
 
 use super::Ellipsoid;
+use crate::angles::sin_cos;
 use proj4rs::transform::transform;
 use proj4rs::Proj;
 use std::f64::consts::PI;
@@ -159,23 +160,37 @@ impl Crs {
         }
     }
 
+    /// The straight way from one place to another through the body, in metres.
+    fn way(&self, to: [f64; 2], from: [f64; 2]) -> Option<[f64; 3]> {
+        let (to, from) = (self.point(to)?, self.point(from)?);
+        Some([0, 1, 2].map(|k| to[k] - from[k]))
+    }
+
+    /// A place on the body, in metres from its centre. Unlike degrees these have no seam, and no poles.
+    fn point(&self, at: [f64; 2]) -> Option<[f64; 3]> {
+        let [longitude, latitude] = self.degrees(at)?;
+        let ((sin_lat, cos_lat), (sin_lon, cos_lon)) = (sin_cos(latitude), sin_cos(longitude));
+        let squared = self.body.eccentricity_squared;
+        let across = self.body.semi_major_m / (1.0 - squared * sin_lat * sin_lat).sqrt();
+        Some([across * cos_lat * cos_lon, across * cos_lat * sin_lon, across * (1.0 - squared) * sin_lat])
+    }
+
     /// Lengths and directions around a place, measured over `reach` units.
     pub(super) fn around(&self, [x, y]: [f64; 2], reach: f64) -> Option<Local> {
         let place = self.degrees([x, y])?;
-        let [per_longitude, per_latitude] = self.body.radian_m(place[1]);
-        let along = |ahead: [f64; 2], behind: [f64; 2]| -> Option<[f64; 2]> {
-            let (ahead, behind) = (self.degrees(ahead)?, self.degrees(behind)?);
-            let turn = ahead[0] - behind[0];
-            let turn = turn - 360.0 * (turn / 360.0).round();
-            let east = turn.to_radians() * per_longitude / (2.0 * reach);
-            Some([east, (ahead[1] - behind[1]).to_radians() * per_latitude / (2.0 * reach)])
-        };
-        let [east, across] = along([x + reach, y], [x - reach, y])?;
-        let [along_east, north] = along([x, y + reach], [x, y - reach])?;
-        let metres = [(east * east + across * across).sqrt(), (along_east * along_east + north * north).sqrt()];
+        let across = self.way([x + reach, y], [x - reach, y])?;
+        let along = self.way([x, y + reach], [x, y - reach])?;
+        let length = |way: [f64; 3]| dot(way, way).sqrt() / (2.0 * reach);
+        let metres = [length(across), length(along)];
+        let ((sin_lat, cos_lat), (sin_lon, cos_lon)) = (sin_cos(place[1]), sin_cos(place[0]));
+        let heading = dot(along, [-sin_lon, cos_lon, 0.0]).atan2(dot(along, [-sin_lat * cos_lon, -sin_lat * sin_lon, cos_lat]));
         let sound = metres.iter().all(|m| m.is_finite() && *m > 0.0);
-        sound.then_some(Local { place, metres, heading: degrees(along_east.atan2(north)) })
+        sound.then_some(Local { place, metres, heading: degrees(heading) })
     }
+}
+
+fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 }
 
 fn degrees(radians: f64) -> f64 {
@@ -230,8 +245,8 @@ mod tests {
         // Web Mercator at 60 degrees; a unit is half a metre there, less the flattening.
         let merc = Crs::of_code(3857).unwrap().around([1e6, 8_399_738.0], 10.0).unwrap();
         near(merc.place[1], 60.0, 1e-5);
-        near(merc.metres[0], 0.501_256, 1e-6);
-        near(merc.metres[1], 0.499_578, 1e-3);
+        near(merc.metres[0], 0.501_260, 1e-6);
+        near(merc.metres[1], 0.500_420, 2e-3);
         // On the middle meridian of a UTM zone.
         let utm = Crs::of_code(32632).unwrap().around([5e5, 5.2e6], 10.0).unwrap();
         near(utm.metres[0], 1.0 / 0.9996, 1e-7);

@@ -35,12 +35,16 @@ impl Fault {
             Fault::Unreadable => "check the path and its permissions",
             Fault::Format => FORMAT_ADVICE,
             Fault::Length => "export or download it again, or state its size and type (--raw-size WxH, --raw-type u16le)",
-            Fault::Size => "take a part of it (--window COLUMN,ROW,COLUMNS,ROWS), or resample it, for instance with gdal_translate -outsize",
+            Fault::Size => {
+                "take a part of it (--window COLUMN,ROW,COLUMNS,ROWS), or resample it, for instance with gdal_translate -outsize"
+            }
             Fault::Kind => "convert it with gdal_translate, keeping its type (no -ot)",
             Fault::Damaged => "export or download it again",
             Fault::Sample => "name it as no data (--no-data V)",
             Fault::Empty => "choose another file, or another part of it",
-            Fault::Place => "state the coordinate system (--crs EPSG:… or a proj string), or the metres between samples (--spacing M)",
+            Fault::Place => {
+                "state the coordinate system (--crs EPSG:… or a proj string), or the metres between samples (--spacing M)"
+            }
             Fault::Apart => "join files of one coordinate system and one spacing that touch, or give each its own layer",
         }
     }

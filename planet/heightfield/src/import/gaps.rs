@@ -50,7 +50,11 @@ pub(super) fn look_at(image: &mut Imported, asked: Option<NoData>) {
             let (count, place) = count(image, |h| h == number || number.abs() >= LARGEST && h.abs() >= LARGEST);
             take_out(image, number);
             let stay = "`--no-data declared` keeps them";
-            image.notes.push(format!("{count} samples of {number} ({place}) are no heights, though undeclared: taken as gaps ({stay})"));
+            // A float's digits beyond the seventh say nothing.
+            let number = if number.abs() >= 1e7 { format!("{number:e}") } else { number.to_string() };
+            image
+                .notes
+                .push(format!("{count} samples of {number} ({place}) are no heights, though undeclared: taken as gaps ({stay})"));
         }
     }
     let limits = limits(image);
@@ -76,7 +80,11 @@ fn lies_apart(image: &Imported, number: f32) -> bool {
     let ends = (f32::INFINITY, f32::NEG_INFINITY);
     let (low, high) = image.field.heights().iter().filter(other).fold(ends, |(l, h), &x| (l.min(x), h.max(x)));
     // A second such number at the other end tells nothing about the range.
-    let range = if SENTINELS.contains(&low) || SENTINELS.contains(&high) || high.abs().max(low.abs()) >= LARGEST { 0.0 } else { high - low };
+    let range = if SENTINELS.contains(&low) || SENTINELS.contains(&high) || high.abs().max(low.abs()) >= LARGEST {
+        0.0
+    } else {
+        high - low
+    };
     low <= high && (low - number).max(number - high) > range.max(APART_M)
 }
 

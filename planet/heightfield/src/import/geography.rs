@@ -76,7 +76,8 @@ mod tests {
 
     #[test]
     fn degrees_have_their_published_lengths() {
-        let spacing = |north: f64| GeographicGrid { west: 0.0, north, step_east: 1.0, step_south: 1.0 }.spacing_m(2, &Ellipsoid::WGS_84);
+        let spacing =
+            |north: f64| GeographicGrid { west: 0.0, north, step_east: 1.0, step_south: 1.0 }.spacing_m(2, &Ellipsoid::WGS_84);
         // Lengths of a degree on WGS 84, from published tables.
         let [east, south] = spacing(0.5);
         assert!((east - 111_319.5).abs() < 0.1 && (south - 110_574.3).abs() < 0.1, "{east} {south}");

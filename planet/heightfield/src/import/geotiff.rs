@@ -17,11 +17,21 @@ pub(super) struct Tags {
     matrix: Matrix,
 }
 
+/// Six numbers from columns and rows to coordinates, in GDAL's order.
+#[cfg(feature = "gdal")]
+pub(super) type Affine = [f64; 6];
+
 /// From columns and rows to coordinates.
 enum Matrix {
     None,
     /// `x = x0 + a column + b row`, `y = y0 + d column + e row`.
-    Affine { origin: [f64; 2], a: f64, b: f64, d: f64, e: f64 },
+    Affine {
+        origin: [f64; 2],
+        a: f64,
+        b: f64,
+        d: f64,
+        e: f64,
+    },
     /// So many points whose place is known, and nothing between.
     ControlPoints(usize),
 }
@@ -42,6 +52,14 @@ pub(super) struct Turned {
 }
 
 impl Tags {
+    /// Those of a raster whose place another library has read: coordinates of corners, in a system that the user's, else this
+    /// one, names.
+    #[cfg(feature = "gdal")]
+    pub(super) fn of_affine([x, a, b, y, d, e]: Affine) -> Tags {
+        let keys = GeoKeys { directory: Vec::new(), doubles: Vec::new(), text: String::new() };
+        Tags { keys, matrix: Matrix::Affine { origin: [x, y], a, b, d, e } }
+    }
+
     pub(super) fn read(file: &mut Tiff) -> Tags {
         let directory = file.get_tag_u16_vec(Tag::GeoKeyDirectoryTag).unwrap_or_default();
         let doubles = file.get_tag_f64_vec(Tag::GeoDoubleParamsTag).unwrap_or_default();
@@ -63,24 +81,38 @@ impl Tags {
     /// Metres a unit of height: of the vertical keys, or of the system.
     pub(super) fn height_unit_m(&self, source: &Source) -> Result<Option<f64>, ImportError> {
         let stated = self.keys.height_unit_m();
-        let stated = stated.map_err(|found| source.refuse(Fault::Kind, found, "metres or feet").with_advice("convert it to metres"))?;
+        let stated =
+            stated.map_err(|found| source.refuse(Fault::Kind, found, "metres or feet").with_advice("convert it to metres"))?;
         Ok(stated.or_else(|| self.keys.crs().ok()?.height_unit_m))
     }
 
     /// The image, turned upright, with its place.
     pub(super) fn georeferenced(&self, source: &Source, image: Imported, part: Part) -> Imported {
-        match self.raster(source, &image, part) {
+        self.placed(source, image, part, || self.keys.crs())
+    }
+
+    /// The same in a system that is read elsewhere.
+    pub(super) fn placed(&self, source: &Source, image: Imported, part: Part, crs: impl Fn() -> Result<Crs, String>) -> Imported {
+        match self.raster(source, &image, part, crs) {
             Ok(None) => image,
             Ok(Some((crs, raster))) => place::place(source, image, &crs, raster),
             Err(error) => Imported { unplaced: Some(Box::new(error)), ..image },
         }
     }
 
-    fn raster(&self, source: &Source, image: &Imported, part: Part) -> Result<Option<(Crs, Raster)>, ImportError> {
+    fn raster(
+        &self,
+        source: &Source,
+        image: &Imported,
+        part: Part,
+        crs: impl Fn() -> Result<Crs, String>,
+    ) -> Result<Option<(Crs, Raster)>, ImportError> {
         let refuse = |found: String, expected: &str| source.refuse(Fault::Place, found, expected);
         let (origin, [a, b, d, e]) = match self.matrix {
             Matrix::None if self.keys.is_empty() || source.options.crs.is_none() => return Ok(None),
-            Matrix::None => return Err(refuse("no place".into(), "a tie point and a scale").with_advice("state --spacing M alone")),
+            Matrix::None => {
+                return Err(refuse("no place".into(), "a tie point and a scale").with_advice("state --spacing M alone"))
+            }
             Matrix::ControlPoints(count) => {
                 let found = format!("{count} ground control points");
                 let warp = "resample it, for instance with gdalwarp, or take samples as they lie (--spacing M)";
@@ -98,7 +130,7 @@ impl Tags {
         }
         let crs = match &source.options.crs {
             Some(text) => Crs::of_user(text).map_err(|found| refuse(format!("--crs: {found}"), "a system that is known"))?,
-            None => self.keys.crs().map_err(|found| refuse(found, "a coordinate system that is known"))?,
+            None => crs().map_err(|found| refuse(found, "a coordinate system that is known"))?,
         };
         // The centre of the first sample that is kept, which after turning is the north-western one.
         let shift = if self.keys.is_point() { 0.5 } else { 0.0 };

@@ -32,7 +32,11 @@ pub(super) fn read(source: &Source) -> Result<Imported, ImportError> {
     let mut height = |b: &[u8]| {
         let metres = i16::from_be_bytes([b[0], b[1]]);
         spikes += usize::from(metres == SPIKE);
-        if metres == SPIKE || gaps.holds(f64::from(metres), false) { f32::NAN } else { f32::from(metres) }
+        if metres == SPIKE || gaps.holds(f64::from(metres), false) {
+            f32::NAN
+        } else {
+            f32::from(metres)
+        }
     };
     let heights = source.bytes.chunks_exact(2).map(&mut height).collect();
     let mut tile = Imported::new(source, Format::Hgt, Values::Metres, size, heights)?;

@@ -68,7 +68,10 @@ fn offset(first: &Imported, other: &Imported) -> Result<(i64, i64), (String, Str
         (b.step[k] / a.step[k] - 1.0).abs() * most as f64 <= OFF
     };
     if !same(0) || !same(1) {
-        return Err((format!("steps of {} x {}", b.step[0], b.step[1]), format!("{} x {}, as in the first file", a.step[0], a.step[1])));
+        return Err((
+            format!("steps of {} x {}", b.step[0], b.step[1]),
+            format!("{} x {}, as in the first file", a.step[0], a.step[1]),
+        ));
     }
     let column = along(a.origin[0], b.origin[0], a.step[0]);
     let row = along(b.origin[1], a.origin[1], a.step[1]);
@@ -125,7 +128,8 @@ fn move_to(image: &mut Imported, [west, north]: [f64; 2]) {
     let Some(place) = &mut image.georeference else { return };
     place.origin = [place.origin[0] + west * place.step[0], place.origin[1] - north * place.step[1]];
     if let Some(grid) = image.grid {
-        let grid = GeographicGrid { west: grid.west + west * grid.step_east, north: grid.north - north * grid.step_south, ..grid };
+        let grid =
+            GeographicGrid { west: grid.west + west * grid.step_east, north: grid.north - north * grid.step_south, ..grid };
         image.spacing_m = Some(grid.spacing_m(rows, &place.body));
         place.middle_deg = [0.5 * (grid.west + grid.east(columns)), 0.5 * (grid.north + grid.south(rows))];
         image.grid = Some(grid);

@@ -39,6 +39,14 @@ impl Band {
         Ok(band)
     }
 
+    /// Metres of a number; of one that is a height as it is, that very number.
+    pub(super) fn metres(&self, number: f64) -> f64 {
+        match (self.is_plain(), self.unit_m) {
+            (true, None | Some(1.0)) => number,
+            (_, unit) => (number * self.scale + self.offset) * unit.unwrap_or(1.0),
+        }
+    }
+
     /// Whether numbers are heights as they are.
     pub(super) fn is_plain(&self) -> bool {
         self.scale == 1.0 && self.offset == 0.0
@@ -46,7 +54,7 @@ impl Band {
 }
 
 /// Metres of a unit by its name.
-fn unit_m(name: &str) -> Option<f64> {
+pub(super) fn unit_m(name: &str) -> Option<f64> {
     match name.to_ascii_lowercase().as_str() {
         "" | "m" | "metre" | "metres" | "meter" | "meters" => Some(1.0),
         "ft" | "foot" | "feet" | "international foot" | "international feet" => Some(FOOT_M),

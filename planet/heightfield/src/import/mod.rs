@@ -9,6 +9,8 @@ mod asc;
 mod crs;
 mod error;
 mod gaps;
+#[cfg(feature = "gdal")]
+mod gdal;
 mod geography;
 mod geokeys;
 mod geotiff;
@@ -57,6 +59,9 @@ pub enum Format {
     Hgt,
     /// An Esri ASCII grid.
     Asc,
+    /// Whatever the system's GDAL opens.
+    #[cfg(feature = "gdal")]
+    Gdal,
 }
 
 impl Format {
@@ -68,6 +73,8 @@ impl Format {
             Format::Tiff => "TIFF",
             Format::Hgt => "HGT",
             Format::Asc => "ASCII grid",
+            #[cfg(feature = "gdal")]
+            Format::Gdal => "GDAL raster",
         }
     }
 }
@@ -184,14 +191,15 @@ pub fn load(path: &Path) -> Result<Imported, ImportError> {
 pub fn load_with(path: &Path, options: &Options) -> Result<Imported, ImportError> {
     let name = path.display().to_string();
     let mut source = Source::of_bytes(&name, &[], options);
-    let unreadable = |e: std::io::Error| Source::of_bytes(&name, &[], options).refuse(Fault::Unreadable, e.to_string(), "a readable file");
+    let unreadable =
+        |e: std::io::Error| Source::of_bytes(&name, &[], options).refuse(Fault::Unreadable, e.to_string(), "a readable file");
     let mut file = std::fs::File::open(path).map_err(unreadable)?;
     source.length = file.metadata().map_err(unreadable)?.len();
     let mut start = Vec::new();
     file.by_ref().take(8).read_to_end(&mut start).map_err(unreadable)?;
     if is_tiff(&start) {
         source.path = Some(path);
-        return finished(&source, tiff::read(&source)?);
+        return finished(&source, or_gdal(&source, tiff::read(&source), path)?);
     }
     if source.length > MOST_BYTES {
         let found = format!("{} bytes", source.length);
@@ -200,7 +208,24 @@ pub fn load_with(path: &Path, options: &Options) -> Result<Imported, ImportError
     let mut bytes = start;
     file.read_to_end(&mut bytes).map_err(unreadable)?;
     let projection = std::fs::read_to_string(path.with_extension("prj")).ok();
-    decode(&Source { bytes: &bytes, ..source }, projection.as_deref())
+    let source = Source { bytes: &bytes, ..source };
+    or_gdal(&source, decode(&source, projection.as_deref()), path)
+}
+
+/// What GDAL reads of a file that is of a format or a coding that is not known here.
+#[cfg(feature = "gdal")]
+fn or_gdal(source: &Source, read: Result<Imported, ImportError>, path: &Path) -> Result<Imported, ImportError> {
+    match read {
+        Err(error) if matches!(error.fault, Fault::Format | Fault::Kind) && source.options.encoding.is_none() => {
+            gdal::read(source, path, error)
+        }
+        read => read,
+    }
+}
+
+#[cfg(not(feature = "gdal"))]
+fn or_gdal(_: &Source, read: Result<Imported, ImportError>, _: &Path) -> Result<Imported, ImportError> {
+    read
 }
 
 fn is_tiff(bytes: &[u8]) -> bool {
@@ -220,12 +245,12 @@ fn decode_plain(source: &Source, projection: Option<&str>) -> Result<Imported, I
     let extension = Path::new(source.name).extension().map(|e| e.to_string_lossy().to_lowercase());
     let options = source.options;
     match (source.bytes, extension.as_deref()) {
+        (_, Some("r32")) => raw::read(source, RawType::FLOATS),
         _ if options.raw_size.is_some() || options.raw_type.is_some() => raw::read(source, RawType::LEVELS),
         ([0x89, b'P', b'N', b'G', ..], _) => png::read(source),
         (bytes, _) if is_tiff(bytes) => tiff::read(source),
         (bytes, _) if asc::is_grid(bytes) => asc::read(source, projection),
         (_, Some("raw" | "r16")) => raw::read(source, RawType::LEVELS),
-        (_, Some("r32")) => raw::read(source, RawType::FLOATS),
         (_, Some("hgt")) => hgt::read(source),
         (bytes, None) if hgt::is_tile(bytes.len()) => hgt::read(source),
         (_, Some(known @ ("png" | "tif" | "tiff" | "asc"))) => {
@@ -240,14 +265,22 @@ fn decode_plain(source: &Source, projection: Option<&str>) -> Result<Imported, I
     }
 }
 
+fn has_overviews(format: Format) -> bool {
+    !matches!(format, Format::Raw | Format::Png | Format::Hgt | Format::Asc)
+}
+
+fn reads_windows(format: Format) -> bool {
+    has_overviews(format) || format == Format::Raw
+}
+
 /// What is done with images of all formats.
 fn finished(source: &Source, mut image: Imported) -> Result<Imported, ImportError> {
     let options = source.options;
-    if options.window.is_some() && !matches!(image.format, Format::Tiff | Format::Raw) {
+    if options.window.is_some() && !reads_windows(image.format) {
         let error = source.refuse(Fault::Kind, format!("a window of a {}", image.format.name()), "a TIFF or RAW file");
         return Err(error.with_advice("leave --window away, or convert it to GeoTIFF"));
     }
-    if options.overview.is_some_and(|overview| overview > 0) && image.format != Format::Tiff {
+    if options.overview.is_some_and(|overview| overview > 0) && !has_overviews(image.format) {
         let error = source.refuse(Fault::Kind, format!("an overview of a {}", image.format.name()), "a TIFF");
         return Err(error.with_advice("leave --overview away, or convert it to GeoTIFF"));
     }

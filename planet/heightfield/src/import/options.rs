@@ -102,7 +102,8 @@ impl Encoding {
 
 impl RawType {
     /// Names of all types.
-    pub const NAMES: &'static str = "u8, i8, u16le, u16be, i16le, i16be, u32le, u32be, i32le, i32be, f32le, f32be, f64le or f64be";
+    pub const NAMES: &'static str =
+        "u8, i8, u16le, u16be, i16le, i16be, u32le, u32be, i32le, i32be, f32le, f32be, f64le or f64be";
 
     /// Terragen's and Unity's: 16-bit little-endian levels.
     pub(super) const LEVELS: RawType = RawType { number: RawNumber::U16, big_endian: false };

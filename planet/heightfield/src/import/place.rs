@@ -25,6 +25,8 @@ pub struct Georeference {
     pub body: Ellipsoid,
     /// Longitude and latitude in the middle of the map, in degrees.
     pub middle_deg: [f64; 2],
+    /// The same of the north-western, north-eastern, south-western and south-eastern samples.
+    pub corners_deg: [[f64; 2]; 4],
     /// Direction of the map's north there, in degrees clockwise from true north.
     pub heading_deg: f64,
     /// True metres a stated metre there, eastwards and northwards; 1 for degrees.
@@ -97,8 +99,10 @@ fn geographic(
     let spacing_m = grid.spacing_m(rows, &crs.body);
     let middle_deg = [0.5 * (west + grid.east(columns)), 0.5 * (north + grid.south(rows))];
     let (crs_name, unit, body) = (crs.name.clone(), crs.unit(), crs.body);
-    let georeference =
-        Georeference { crs: crs_name, origin, step, unit, body, middle_deg, heading_deg: 0.0, scale: [1.0; 2] };
+    let (east, south) = (grid.east(columns), grid.south(rows));
+    let corners_deg = [[west, north], [east, north], [west, south], [east, south]];
+    let (heading_deg, scale) = (0.0, [1.0; 2]);
+    let georeference = Georeference { crs: crs_name, origin, step, unit, body, middle_deg, corners_deg, heading_deg, scale };
     let ends = [grid.north, grid.south(rows)].map(|latitude| crs.body.radian_m(latitude)[0]);
     let ratio = ends[0].max(ends[1]) / ends[0].min(ends[1]).max(1e-9);
     let mut notes = Vec::new();
@@ -149,6 +153,8 @@ fn projected(source: &Source, image: &Imported, crs: &Crs, raster: Raster) -> Re
         unit: crs.unit(),
         body: crs.body,
         middle_deg: middle.place,
+        corners_deg: [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]]
+            .map(|[across, down]| crs.degrees(raster.at(across * last[0], down * last[1])).unwrap_or([f64::NAN; 2])),
         heading_deg: middle.heading,
         scale,
     };

@@ -63,7 +63,11 @@ fn heights(source: &Source, pixel: &Pixel, raw: &[u8]) -> (Values, Vec<f32>) {
             (None, 1) => f32::from(p[0]),
             (None, _) => f32::from(u16::from_be_bytes([p[0], p[1]])),
         };
-        if transparent || gaps.holds(f64::from(number), true) { f32::NAN } else { number }
+        if transparent || gaps.holds(f64::from(number), true) {
+            f32::NAN
+        } else {
+            number
+        }
     };
     let values = match (source.options.encoding, pixel.bytes) {
         (Some(_), _) => Values::Metres,

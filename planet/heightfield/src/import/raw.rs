@@ -37,7 +37,8 @@ fn size(source: &Source, kind: RawType) -> Result<[usize; 2], ImportError> {
     if let Some([columns, rows]) = source.options.raw_size {
         let bytes = columns.checked_mul(rows).and_then(|samples| samples.checked_mul(width));
         if bytes != Some(length) {
-            let wanted = format!("{columns} x {rows} samples of {width} bytes, {} in all", columns as f64 * rows as f64 * width as f64);
+            let wanted =
+                format!("{columns} x {rows} samples of {width} bytes, {} in all", columns as f64 * rows as f64 * width as f64);
             return Err(source.refuse(Fault::Length, format!("{length} bytes"), wanted));
         }
         return Ok([columns, rows]);

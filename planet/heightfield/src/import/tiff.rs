@@ -145,6 +145,9 @@ fn layout(source: &Source, file: &mut Tiff, size: [usize; 2], window: Window) ->
         return Err(error.with_advice("write it again: gdal_translate -co COMPRESS=ZSTD in.tif out.tif keeps every digit"));
     }
     let photometric = file.find_tag_unsigned::<u16>(Tag::PhotometricInterpretation).ok().flatten();
+    if photometric == Some(3) {
+        return Err(source.refuse(Fault::Kind, "a palette", "one band of heights").with_advice(PALETTE));
+    }
     let colour = file.colortype().map_err(damaged)?;
     match (photometric, colour, source.options.encoding) {
         (Some(0), ..) => {
@@ -153,14 +156,12 @@ fn layout(source: &Source, file: &mut Tiff, size: [usize; 2], window: Window) ->
         }
         (_, ColorType::RGB(8) | ColorType::RGBA(8), Some(_)) | (_, ColorType::Gray(8 | 16 | 32 | 64), None) => (),
         (_, colour, Some(_)) => {
-            let error = source.refuse(Fault::Kind, format!("{colour:?}"), "red, green and blue of 8 bits, which --encoding is about");
+            let error =
+                source.refuse(Fault::Kind, format!("{colour:?}"), "red, green and blue of 8 bits, which --encoding is about");
             return Err(error.with_advice("leave --encoding away"));
         }
         (_, colour @ (ColorType::RGB(_) | ColorType::RGBA(_)), None) => {
             return Err(source.refuse(Fault::Kind, format!("{colour:?}"), "one band of heights").with_advice(COLOURS));
-        }
-        (_, colour @ ColorType::Palette(_), None) => {
-            return Err(source.refuse(Fault::Kind, format!("{colour:?}"), "one band of heights").with_advice(PALETTE));
         }
         (_, colour, None) => {
             let advice = "take the band that holds heights: gdal_translate -b 1 in.tif out.tif";
@@ -178,9 +179,11 @@ fn layout(source: &Source, file: &mut Tiff, size: [usize; 2], window: Window) ->
 }
 
 /// What to do with colours, and with palettes.
-pub(super) const COLOURS: &str = "heights coded as colours need --encoding terrarium or mapbox; a picture of heights holds none: \
+pub(super) const COLOURS: &str =
+    "heights coded as colours need --encoding terrarium or mapbox; a picture of heights holds none: \
                                   take the elevation model that it was drawn from";
-pub(super) const PALETTE: &str = "the colours of a palette are a legend and no heights: take the elevation model that it was drawn from";
+pub(super) const PALETTE: &str =
+    "the colours of a palette are a legend and no heights: take the elevation model that it was drawn from";
 
 /// The declared no-data value, if any.
 fn no_data(source: &Source, file: &mut Tiff) -> Result<Option<f64>, ImportError> {

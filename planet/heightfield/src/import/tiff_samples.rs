@@ -87,7 +87,15 @@ impl Reader<'_> {
             let channels = self.channels;
             let pixels: Vec<f32> = bytes
                 .chunks_exact(channels)
-                .map(|pixel| if channels == 4 && pixel[3] == 0 { f32::NAN } else { encoding.metres([pixel[0], pixel[1], pixel[2]]) })
+                .map(
+                    |pixel| {
+                        if channels == 4 && pixel[3] == 0 {
+                            f32::NAN
+                        } else {
+                            encoding.metres([pixel[0], pixel[1], pixel[2]])
+                        }
+                    },
+                )
                 .collect();
             return self.place(&pixels, at, wide, size, f64::from, true);
         }
@@ -157,10 +165,7 @@ impl Reader<'_> {
         if self.gaps.holds(number, floats) {
             return Some(f32::NAN);
         }
-        let metres = match (self.band.is_plain(), self.band.unit_m) {
-            (true, None | Some(1.0)) => number,
-            (_, unit) => (number * self.band.scale + self.band.offset) * unit.unwrap_or(1.0),
-        };
+        let metres = self.band.metres(number);
         // Doubles can be larger than any float; what is that large is looked at later.
         metres.is_finite().then(|| metres.clamp(f64::from(f32::MIN), f64::from(f32::MAX)) as f32)
     }

@@ -5,6 +5,8 @@
 
 mod cover;
 mod footprint;
+mod globe;
+mod projected;
 
 use super::layer::{Evaluate, Past};
 use super::points::{Lane, Points, WideLane, LANES};
@@ -13,6 +15,7 @@ use cover::Cover;
 use footprint::{Footprint, Spot};
 use terrane_heightfield::import;
 use terrane_heightfield::import::{ImportError, Imported, Values};
+use terrane_heightfield::Heightfield;
 
 /// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
 fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
@@ -81,6 +84,16 @@ impl Scale {
     }
 }
 
+/// A field without its last columns, which say again what the first ones say.
+fn first_columns(field: Heightfield, wanted: usize) -> Heightfield {
+    let (columns, rows) = (field.columns(), field.rows());
+    if wanted >= columns {
+        return field;
+    }
+    let heights = field.heights().chunks_exact(columns).flat_map(|row| row[..wanted].iter().copied()).collect();
+    Heightfield::new(wanted, rows, heights).unwrap_or(field)
+}
+
 /// The files of a layer, as one image.
 fn read(map: &recipe::Heightmap, recipe: &Recipe) -> Result<Imported, RecipeError> {
     let fault = |e: ImportError| {
@@ -110,8 +123,12 @@ impl Evaluate for Heightmap {
         let scale = Scale::new(&image, &map.heights).map_err(|(found, expected)| fault(found, expected))?;
         let footprint =
             Footprint::new(&image, &map.placement, recipe.radius).map_err(|(found, expected)| fault(found, &expected))?;
-        let cover = Cover::new(&image.field);
-        let (columns, rows, mut field) = (image.field.columns(), image.field.rows(), image.field);
+        let mut field = image.field;
+        if let Footprint::Planet(globe) = &footprint {
+            field = first_columns(field, globe.turn());
+        }
+        let cover = Cover::new(&field);
+        let (columns, rows) = (field.columns(), field.rows());
         field.fill_gaps();
         let (poles, radius) = ([(0.0, 1.0); 2], recipe.radius);
         let mut map = Self { columns, rows, samples: field.into_heights(), cover, scale, footprint, poles, radius };

@@ -120,7 +120,10 @@ impl Input {
         let samples = image.field.heights().len();
         if let Some(most) = options.most_samples.filter(|&most| samples > most) {
             let needed = samples as f64 * bytes_a_sample as f64 / 1e9;
-            bail!("{samples} samples in all take {needed:.1} GB, and {:.1} GB are free; join fewer files", most as f64 * bytes_a_sample as f64 / 1e9);
+            bail!(
+                "{samples} samples in all take {needed:.1} GB, and {:.1} GB are free; join fewer files",
+                most as f64 * bytes_a_sample as f64 / 1e9
+            );
         }
         let (spacing_m, spacing_from) = match (self.spacing, image.spacing_m) {
             (Some(metres), _) => ([metres; 2], "--spacing"),
