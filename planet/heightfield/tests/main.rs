@@ -5,6 +5,7 @@
 mod classic_costs;
 mod classic_splits;
 mod dem_folder;
+mod gdal_feature;
 mod import;
 mod joins;
 mod kinds;

@@ -27,12 +27,13 @@ enum CostOption {
     Spring,
 }
 
-/// Turn a heightfield (PNG, TIFF or GeoTIFF, SRTM .hgt, Terragen .raw) into triangle meshes. Needs no GPU.
+/// Turn heightfields (GeoTIFF, SRTM .hgt, Esri .asc, PNG, .raw, and more) into triangle meshes. Needs no GPU.
 ///
 /// Meshes hold metres: +X east, +Y north (the first row of the file is north), +Z up, from the south-west sample; GLB is turned to
 /// glTF's axes. Errors are vertical, in metres, and measured at every sample of the file. Samples without data are filled from
-/// their surroundings first. Several levels become several files: x.ply with --faces 1000,100 is written as x-1000.ply and
-/// x-100.ply, with --error 2,8 as x-e2.ply and x-e8.ply.
+/// their surroundings first, or cut out (--gaps cut). What is assumed about a file is said on stderr and in --json. Several levels
+/// become several files: x.ply with --faces 1000,100 is written as x-1000.ply and x-100.ply, with --error 2,8 as x-e2.ply and
+/// x-e8.ply.
 #[derive(clap::Args)]
 pub(crate) struct Simplify {
     #[command(flatten)]
