@@ -34,7 +34,7 @@ impl Fault {
         match self {
             Fault::Unreadable => "check the path and its permissions",
             Fault::Format => FORMAT_ADVICE,
-            Fault::Length => "export or download it again, or state its size and type (--raw-size WxH, --raw-type u16le)",
+            Fault::Length => "export or download it again; a file without a header is a square of 16 bits, or its size and type are stated (--raw-size WxH, --raw-type u16le)",
             Fault::Size => {
                 "take a part of it (--window COLUMN,ROW,COLUMNS,ROWS), or resample it, for instance with gdal_translate -outsize"
             }
