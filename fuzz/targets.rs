@@ -3,7 +3,7 @@
 //! In: any bytes. Out: nothing; a panic, a leak or too much memory is the finding.
 
 use terrane_heightfield::import;
-use terrane_heightfield::import::MOST_SAMPLES;
+use terrane_heightfield::import::{Encoding, NoData, Options, RawType, Window, MOST_SAMPLES};
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::Face;
 use terrane_planet::store::record::{seal, RecordWriter};
@@ -11,12 +11,17 @@ use terrane_planet::store::{geometry, imagery, surroundings, RecordError};
 
 /// Every reader of heightfields keeps its word about what it returns.
 fn heightfield(bytes: &[u8], name: &str) {
-    let Ok(image) = import::read(bytes, name) else { return };
+    heightfield_with(bytes, name, &Options::default());
+}
+
+fn heightfield_with(bytes: &[u8], name: &str, options: &Options) {
+    let Ok(image) = import::read_with(bytes, name, options) else { return };
     let heights = image.field.heights();
     assert!(heights.len() <= MOST_SAMPLES && heights.iter().all(|h| !h.is_infinite()));
     assert_eq!(heights.iter().filter(|h| h.is_nan()).count(), image.no_data);
     assert!(image.range[0] <= image.range[1] && image.no_data < heights.len());
     assert!(image.spacing_m.is_none_or(|spacing| spacing.iter().all(|s| s.is_finite())));
+    assert!(image.spacing_m.is_none() || image.unplaced.is_none());
     if heights.len() < 1 << 16 {
         let mut field = image.field;
         assert_eq!(field.fill_gaps(), image.no_data);
@@ -42,6 +47,45 @@ pub fn hgt(bytes: &[u8]) {
     heightfield(bytes, &name);
     if bytes.len() > 1 {
         heightfield(&bytes.iter().copied().cycle().take(2 * 1201 * 1201).collect::<Vec<u8>>(), &name);
+    }
+}
+
+/// Esri ASCII grids.
+pub fn grid(bytes: &[u8]) {
+    heightfield(&[b"ncols ", bytes].concat(), "a.asc");
+}
+
+/// Compressed files, whole and as what the bytes would be inside gzip's header.
+pub fn archive(bytes: &[u8]) {
+    heightfield(&with_magic(b"PK\x03\x04", bytes), "a.zip");
+    heightfield(&with_magic(&[0x1f, 0x8b, 8, 0], bytes), "N36W085.hgt.gz");
+}
+
+/// What a user may say about any file: the first bytes choose, the rest is the file.
+pub fn options(bytes: &[u8]) {
+    let Some((choice, file)) = bytes.split_first_chunk::<6>() else { return };
+    let types: Vec<&str> = RawType::NAMES.split([',', ' ']).filter(|name| !name.is_empty()).collect();
+    let small = |byte: u8| usize::from(byte % 16);
+    let options = Options {
+        no_data: [None, Some(NoData::Value(f64::from(choice[1]))), Some(NoData::Declared)][usize::from(choice[0] % 3)],
+        encoding: [None, Some(Encoding::Terrarium), Some(Encoding::Mapbox)][usize::from(choice[1] % 3)],
+        raw_size: (choice[0] & 64 > 0).then(|| [small(choice[2]), small(choice[3])]),
+        raw_type: (choice[0] & 128 > 0).then(|| RawType::named(types[usize::from(choice[4]) % types.len()])).flatten(),
+        window: (choice[0] & 32 > 0).then(|| {
+            let [column, row, columns, rows] = [choice[2], choice[3], choice[4], choice[5]].map(small);
+            Window { column, row, columns, rows }
+        }),
+        overview: (choice[0] & 16 > 0).then(|| small(choice[5])),
+        ..Options::default()
+    };
+    heightfield_with(file, "a", &options);
+}
+
+/// Coordinate systems as users name them: of a grid far from the origin, and of one near it.
+pub fn systems(bytes: &[u8]) {
+    let options = Options { crs: Some(String::from_utf8_lossy(bytes).into_owned()), ..Options::default() };
+    for place in ["xllcorner 500000 yllcorner 5200000 cellsize 10", "xllcorner 3 yllcorner 40 cellsize 0.01"] {
+        heightfield_with(format!("ncols 2 nrows 2 {place} 1 2 3 4").as_bytes(), "a.asc", &options);
     }
 }
 

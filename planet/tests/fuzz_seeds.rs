@@ -43,6 +43,26 @@ fn hgt_seeds_do_not_panic() {
 }
 
 #[test]
+fn grid_seeds_do_not_panic() {
+    run("grid", targets::grid);
+}
+
+#[test]
+fn archive_seeds_do_not_panic() {
+    run("archive", targets::archive);
+}
+
+#[test]
+fn options_seeds_do_not_panic() {
+    run("options", targets::options);
+}
+
+#[test]
+fn systems_seeds_do_not_panic() {
+    run("systems", targets::systems);
+}
+
+#[test]
 fn geometry_seeds_do_not_panic() {
     run("geometry", targets::geometry);
 }

@@ -17,11 +17,18 @@ const EARTH: f64 = 6_371_000.0;
 
 /// Terrain of one heightmap over a plane of height 0.
 fn mapped(name: &str, bytes: Vec<u8>, keys: &str) -> Result<Terrain, String> {
+    mapped_on(EARTH, vec![Asset { name: name.into(), bytes }], keys)
+}
+
+/// The same on a planet of another radius, of several files.
+fn mapped_on(radius: f64, assets: Vec<Asset>, keys: &str) -> Result<Terrain, String> {
+    let names: Vec<&str> = assets.iter().map(|asset| asset.name.as_str()).collect();
+    let files = if names.len() == 1 { format!("\"{}\"", names[0]) } else { format!("{names:?}") };
     let text = format!(
-        "name = \"T\"\nradius_m = {EARTH:.1}\nseed = 1\n[[layer]]\nkind = \"heightmap\"\nfile = \"{name}\"\n{keys}\n\
+        "name = \"T\"\nradius_m = {radius:.1}\nseed = 1\n[[layer]]\nkind = \"heightmap\"\nfile = {files}\n{keys}\n\
          [palette]\nkind = \"airless\"\nhighland = [1, 2, 3]\nmare = [1, 2, 3]\nray = [1, 2, 3]\nmare_m = [0, 1]\npatch_m = 500\n"
     );
-    let recipe = Recipe::from_parts(&text, "t.toml", vec![Asset { name: name.into(), bytes }]).map_err(|e| e.to_string())?;
+    let recipe = Recipe::from_parts(&text, "t.toml", assets).map_err(|e| e.to_string())?;
     Terrain::new(&recipe).map_err(|e| e.to_string())
 }
 
@@ -124,7 +131,7 @@ fn recipes_that_do_not_fit_their_file_are_refused() {
     let nowhere = geotiff([36.0, -85.0], &[1, 1, 0, 0], |_, _| 5);
     let raw = vec![1; 2 * 64 * 64];
     let cases: [(&str, &Vec<u8>, &str, &[&str]); 11] = [
-        ("m.tif", &nowhere, "placement = \"file\"", &["does not state its place", "latitude_deg"]),
+        ("m.tif", &nowhere, "placement = \"file\"", &["no coordinate system", "`crs`"]),
         ("m.tif", &polar, "placement = \"file\"", &["latitudes 85.690 and 86", "within 85 degrees"]),
         ("m.tif", &known, "placement = \"file\"\nblend_m = 30000", &["`blend_m` of 30000", "half the map"]),
         ("m.tif", &known, "placement = \"here\"", &["`layer[0].placement`", "\"here\"", "\"file\""]),
@@ -173,4 +180,129 @@ fn jacksboro_lies_at_its_site() {
             assert!(step(inner, outer) < 0.8, "{} at {a:?}", step(inner, outer));
         }
     }
+}
+
+/// A GeoTIFF of doubles: 64 × 32 samples from a north-western sample on, with keys and doubles beside them.
+fn doubles(at: [f64; 2], step: f64, keys: &[u16], beside: &[f64], sample: impl Fn(usize, usize) -> f64) -> Vec<u8> {
+    let samples: Vec<f64> = (0..64 * 32).map(|i| sample(i % 64, i / 64)).collect();
+    let mut bytes = Cursor::new(Vec::new());
+    let mut encoder = TiffEncoder::new(&mut bytes).unwrap();
+    let mut image = encoder.new_image::<colortype::Gray64Float>(64, 32).unwrap();
+    image.encoder().write_tag(Tag::ModelPixelScaleTag, &[step, step, 0.0][..]).unwrap();
+    image.encoder().write_tag(Tag::ModelTiepointTag, &[0.0, 0.0, 0.0, at[0], at[1], 0.0][..]).unwrap();
+    image.encoder().write_tag(Tag::GeoKeyDirectoryTag, keys).unwrap();
+    image.encoder().write_tag(Tag::GeoDoubleParamsTag, beside).unwrap();
+    image.write_data(&samples).unwrap();
+    bytes.into_inner()
+}
+
+fn one(name: &str, bytes: Vec<u8>) -> Vec<Asset> {
+    vec![Asset { name: name.into(), bytes }]
+}
+
+/// A peak of 900 m at column 40, row 10, on 100 m.
+fn peak(column: usize, row: usize) -> f64 {
+    if (column, row) == (40, 10) {
+        900.0
+    } else {
+        100.0
+    }
+}
+
+#[track_caller]
+fn near(found: f64, expected: f64) {
+    assert!((found - expected).abs() < 1e-3, "{found}, expected {expected}");
+}
+
+#[test]
+fn doubles_in_degrees_of_nad_83_lie_where_they_say() {
+    let keys = [1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 2, 2048, 0, 1, 4269];
+    let map = doubles([-85.0, 36.0], 0.01, &keys, &[0.0], peak);
+    let terrain = mapped_on(EARTH, one("m.tif", map), "placement = \"file\"\nblend_m = 0.0").unwrap();
+    near(at(&terrain, 36.0 - 0.1, -85.0 + 0.4), 900.0);
+    near(at(&terrain, 36.0 - 0.12, -85.0 + 0.4), 100.0);
+    for (south, east) in [(-0.001, 0.3), (0.311, 0.3), (0.15, -0.001), (0.15, 0.631)] {
+        near(at(&terrain, 36.0 - south, -85.0 + east), 0.0);
+    }
+}
+
+#[test]
+fn a_lunar_map_in_degrees_lies_on_the_moon() {
+    let keys = [1, 1, 0, 5, 1024, 0, 1, 2, 1025, 0, 1, 2, 2048, 0, 1, 32_767, 2057, 34_736, 1, 0, 2058, 34_736, 1, 1];
+    let map = || doubles([10.0, 1.0], 0.01, &keys, &[1_737_400.0; 2], peak);
+    let terrain = mapped_on(1_737_400.0, one("m.tif", map()), "placement = \"file\"\nblend_m = 0.0").unwrap();
+    near(at(&terrain, 0.9, 10.4), 900.0);
+    near(at(&terrain, 0.9, 10.42), 100.0);
+    near(at(&terrain, 0.9, 10.631), 0.0);
+    // Put elsewhere it has the Moon's size: 64 samples of 303.2 m.
+    let terrain = mapped_on(1_737_400.0, one("m.tif", map()), "latitude_deg = 0.0\nlongitude_deg = 20.0\nblend_m = 0.0").unwrap();
+    let metre = 1.0 / 1_737_400.0_f64.to_radians();
+    near(at(&terrain, 0.0, 20.0 + 9_690.0 * metre), 100.0);
+    near(at(&terrain, 0.0, 20.0 + 9_715.0 * metre), 0.0);
+}
+
+#[test]
+fn neighbouring_tiles_have_no_seam_between_them() {
+    let tile = |name: &str, west: usize| {
+        let height = |i: usize| (500 + west + i % 1201) as i16;
+        Asset { name: name.into(), bytes: (0..1201 * 1201).flat_map(|i| height(i).to_be_bytes()).collect() }
+    };
+    let both = || vec![tile("N36W085.hgt", 0), tile("N36W084.hgt", 1200)];
+    let terrain = mapped_on(EARTH, both(), "placement = \"file\"\nblend_m = 5000.0").unwrap();
+    // Along the parallel through the middle the ground rises as the samples do, over the border too.
+    for k in -40..=40 {
+        let east = f64::from(k) / 4.0;
+        let found = at(&terrain, 36.5, -84.0 + east / 1200.0);
+        assert!((found - (1700.0 + east)).abs() < 0.01, "{found} at {east} samples from the border");
+    }
+    // Each for itself fades there.
+    let alone = mapped_on(EARTH, both()[..1].to_vec(), "placement = \"file\"\nblend_m = 5000.0").unwrap();
+    assert!(at(&alone, 36.5, -84.001) < 100.0);
+    let apart = vec![tile("N36W085.hgt", 0), tile("N36W082.hgt", 0)];
+    let message = mapped_on(EARTH, apart, "placement = \"file\"").err().unwrap();
+    assert!(
+        message.contains("N36W085.hgt, N36W082.hgt: found a tile that touches none of the others in N36W082.hgt"),
+        "{message}"
+    );
+}
+
+#[test]
+fn a_map_of_the_whole_planet_begins_at_the_files_west() {
+    // 64 × 32 samples of 5.625 degrees, by the corners of areas: from longitude 0, from -180, and from 90.
+    let keys = [1, 1, 0, 3, 1024, 0, 1, 2, 1025, 0, 1, 1, 2048, 0, 1, 4326];
+    for west in [0.0, -180.0, 90.0] {
+        let terrain = mapped_on(EARTH, one("m.tif", doubles([west, 90.0], 5.625, &keys, &[0.0], peak)), "").unwrap();
+        let longitude = west + 40.5 * 5.625;
+        near(at(&terrain, 90.0 - 10.5 * 5.625, longitude), 900.0);
+        near(at(&terrain, 90.0 - 10.5 * 5.625, longitude + 180.0), 100.0);
+    }
+    // Part of a planet is not stretched over all of it, though it is twice as wide as high.
+    let part = mapped_on(EARTH, one("m.tif", doubles([0.0, 50.0], 0.01, &keys, &[0.0], peak)), "").err().unwrap();
+    assert!(part.contains("0.640 x 0.320 degrees") && part.contains("placement = \"file\""), "{part}");
+    // Equirectangular metres, as maps of Mars are.
+    let keys = [
+        1, 1, 0, 6, 1024, 0, 1, 1, 2048, 0, 1, 32_767, 2057, 34_736, 1, 0, 2058, 34_736, 1, 1, 3072, 0, 1, 32_767, 3075, 0, 1, 17,
+    ];
+    let radius = 3_396_190.0;
+    let step = 2.0 * std::f64::consts::PI * radius / 64.0;
+    let map = doubles([-32.0 * step, 16.0 * step], step, &keys, &[radius; 2], peak);
+    let terrain = mapped_on(radius, one("m.tif", map), "").unwrap();
+    near(at(&terrain, 90.0 - 10.5 * 5.625, -180.0 + 40.5 * 5.625), 900.0);
+}
+
+#[test]
+fn a_projected_file_lies_where_it_says() {
+    // UTM zone 32: the peak at 500,400 east and 5,199,900 north is at 9.0052567 degrees east, 46.9526292 north (GDAL 3.6).
+    let keys = [1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 2, 3072, 0, 1, 32_632];
+    let map = doubles([500_000.0, 5_200_000.0], 10.0, &keys, &[0.0], peak);
+    let terrain = mapped_on(EARTH, one("m.tif", map), "placement = \"file\"\nblend_m = 0.0").unwrap();
+    let found = at(&terrain, 46.9526292, 9.0052567);
+    assert!((found - 900.0).abs() < 3.0, "{found}");
+    near(at(&terrain, 46.9526292, 9.0056567), 100.0);
+    near(at(&terrain, 46.9546292, 9.0052567), 0.0);
+    // Maps over which the projection bends are refused: Web Mercator far north.
+    let keys = [1, 1, 0, 3, 1024, 0, 1, 1, 1025, 0, 1, 2, 3072, 0, 1, 3857];
+    let wide = doubles([0.0, 9_000_000.0], 40_000.0, &keys, &[0.0], peak);
+    let message = mapped_on(EARTH, one("m.tif", wide), "placement = \"file\"").err().unwrap();
+    assert!(message.contains("too large to lie flat") && message.contains("gdalwarp"), "{message}");
 }

@@ -26,6 +26,7 @@ const HOUSES: [House; 4] = [
             "deviation",
             "import",
             "decimate",
+            "holes",
             "polish",
             "plain",
             "polished",

@@ -7,6 +7,7 @@ mod common;
 
 mod bake;
 mod edit;
+mod elevation;
 mod gallery;
 mod gpu;
 mod look;

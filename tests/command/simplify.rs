@@ -106,7 +106,7 @@ fn errors_are_at_most_those_asked_for() {
     let folder = tempfile::tempdir().unwrap();
     let mut faces = Vec::new();
     for cost in ["certified", "quadric", "spring"] {
-        let options = ["--error", "20,60.5", "--cost", cost, "--spacing", "90", "--out", "e.glb"];
+        let options = ["--error", "20,60.5", "--cost", cost, "--spacing", "90", "--height-scale", "1", "--out", "e.glb"];
         let result = simplify(&repository("tests/data/jacksboro_257.raw"), &options, folder.path());
         assert_eq!((&result["cost"], &result["spacing_m"]), (&cost.into(), &serde_json::json!([90.0, 90.0])));
         for (level, (error, file)) in
@@ -127,7 +127,10 @@ fn gaps_are_filled_and_counted() {
     let folder = tempfile::tempdir().unwrap();
     // 7 x 5 levels, one of which is declared as no data.
     let file = repository("fuzz/seeds/tiff/u16_deflate");
-    let output = terrane(&["simplify", file.to_str().unwrap(), "--faces", "30", "--out", "t.ply", "--json"], folder.path());
+    let output = terrane(
+        &["simplify", file.to_str().unwrap(), "--height-scale", "1", "--faces", "30", "--out", "t.ply", "--json"],
+        folder.path(),
+    );
     assert!(text(&output.stderr).contains("filled 1 of 35 samples"), "{}", text(&output.stderr));
     let result: Value = serde_json::from_slice(&output.stdout).unwrap();
     assert_eq!((&result["filled"], &result["levels"][0]["uncovered"]), (&1.into(), &0.into()));

@@ -10,6 +10,7 @@ pub mod decimate;
 mod deviation;
 mod field;
 mod fill;
+mod holes;
 pub mod import;
 pub mod plain;
 mod polish;
@@ -18,3 +19,4 @@ mod raster;
 
 pub use deviation::Deviation;
 pub use field::{Heightfield, TriangleSurface};
+pub use holes::Holes;

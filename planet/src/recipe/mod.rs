@@ -99,13 +99,15 @@ impl Recipe {
     pub fn from_toml(text: &str, name: &str, base: &Path) -> Result<Self, RecipeError> {
         let mut recipe = Self::parse(text, name)?;
         for map in recipe.heightmaps() {
-            if recipe.assets.iter().any(|a| a.name == map.file) {
-                continue;
+            for file in &map.files {
+                if recipe.assets.iter().any(|a| a.name == *file) {
+                    continue;
+                }
+                let path = base.join(file);
+                let bytes = std::fs::read(&path)
+                    .map_err(|e| recipe.heightmap_error(&map, format!("{e} at {}", path.display()), "a readable file"))?;
+                recipe.assets.push(Asset { name: file.clone(), bytes });
             }
-            let path = base.join(&map.file);
-            let bytes = std::fs::read(&path)
-                .map_err(|e| recipe.heightmap_error(&map, format!("{e} at {}", path.display()), "a readable file"))?;
-            recipe.assets.push(Asset { name: map.file, bytes });
         }
         Ok(recipe)
     }
@@ -117,7 +119,7 @@ impl Recipe {
     pub fn from_parts(text: &str, name: &str, assets: Vec<Asset>) -> Result<Self, RecipeError> {
         let mut recipe = Self::parse(text, name)?;
         for map in recipe.heightmaps() {
-            if !assets.iter().any(|a| a.name == map.file) {
+            if !map.files.iter().all(|file| assets.iter().any(|a| a.name == *file)) {
                 return Err(recipe.heightmap_error(&map, "no such asset".into(), "its bytes among the assets"));
             }
         }
@@ -199,7 +201,7 @@ impl Recipe {
             file: self.file.as_str().into(),
             line: map.origin.0,
             path: map.origin.1.as_str().into(),
-            image: map.file.as_str().into(),
+            image: map.files.join(", ").into(),
             found: found.into(),
             expected: expected.into(),
         }

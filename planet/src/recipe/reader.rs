@@ -133,6 +133,17 @@ impl<'a> Reader<'a> {
         }
     }
 
+    /// A non-empty string, or an array of one or more of them.
+    pub(crate) fn strings(&self, key: &'static str, expected: &str) -> Result<Vec<String>, RecipeError> {
+        let value = self.require(key, expected)?;
+        let text = |value: &Spanned<DeValue<'_>>| value.get_ref().as_str().filter(|text| !text.is_empty()).map(str::to_owned);
+        let all = match value.get_ref().as_array() {
+            Some(array) => array.iter().map(text).collect(),
+            None => text(value).map(|text| vec![text]),
+        };
+        all.filter(|all| !all.is_empty()).ok_or_else(|| self.wrong_value(key, value, expected))
+    }
+
     /// An array of exactly `N` numbers, each within `range`.
     pub(crate) fn numbers<const N: usize>(&self, key: &'static str, range: RangeInclusive<f64>) -> Result<[f64; N], RecipeError> {
         let expected = format!("{N} values, each {}", number_in(&range));

@@ -1,22 +1,20 @@
 //! `terrane simplify`: a heightfield file as meshes of so many triangles, or of so small an error.
 
+mod input;
+
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, ensure, Context as _};
 use glam::DVec3;
 use indicatif::{ProgressBar, ProgressStyle};
-use serde_json::json;
-use std::io::IsTerminal;
-use std::path::PathBuf;
+use input::{Gaps, Input};
+use serde_json::{json, Value};
+use std::io::{IsTerminal, Write as _};
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use terrane_heightfield::classic::{Cost, Level, Levels};
-use terrane_heightfield::import;
-use terrane_heightfield::import::Imported;
-use terrane_heightfield::Heightfield;
+use terrane_heightfield::{Heightfield, Holes};
 use terrane_planet::export::{Format, Model, EXTENSIONS};
-
-/// Metres between samples of a file that does not say.
-const DEFAULT_SPACING_M: f64 = 1.0;
 
 /// What chooses the vertices that go first.
 #[derive(clap::ValueEnum, Clone, Copy)]
@@ -29,16 +27,17 @@ enum CostOption {
     Spring,
 }
 
-/// Turn a heightfield (PNG, TIFF or GeoTIFF, SRTM .hgt, Terragen .raw) into triangle meshes. Needs no GPU.
+/// Turn heightfields (GeoTIFF, SRTM .hgt, Esri .asc, PNG, .raw, and more) into triangle meshes. Needs no GPU.
 ///
 /// Meshes hold metres: +X east, +Y north (the first row of the file is north), +Z up, from the south-west sample; GLB is turned to
 /// glTF's axes. Errors are vertical, in metres, and measured at every sample of the file. Samples without data are filled from
-/// their surroundings first. Several levels become several files: x.ply with --faces 1000,100 is written as x-1000.ply and
-/// x-100.ply, with --error 2,8 as x-e2.ply and x-e8.ply.
+/// their surroundings first, or cut out (--gaps cut). What is assumed about a file is said on stderr and in --json. Several levels
+/// become several files: x.ply with --faces 1000,100 is written as x-1000.ply and x-100.ply, with --error 2,8 as x-e2.ply and
+/// x-e8.ply.
 #[derive(clap::Args)]
 pub(crate) struct Simplify {
-    /// Heightfield file.
-    file: PathBuf,
+    #[command(flatten)]
+    input: Input,
     /// Most triangles of each mesh.
     #[arg(long, value_name = "N,…", value_delimiter = ',', required_unless_present = "error", conflicts_with = "error")]
     faces: Vec<usize>,
@@ -53,14 +52,10 @@ pub(crate) struct Simplify {
     /// flipped, which lowers the largest error by a quarter to a third at the same number of triangles.
     #[arg(long)]
     keep_samples: bool,
-    /// Metres between samples [default: what the file says, else 1].
-    #[arg(long, value_name = "M")]
-    spacing: Option<f64>,
-    /// Metres a unit of height in the file.
-    #[arg(long, value_name = "M", default_value_t = 1.0)]
-    height_scale: f64,
-    #[arg(long, help = format!("File to write: {EXTENSIONS}"))]
+    #[arg(long, help = format!("File to write: {EXTENSIONS}; - for stdout, with --format"))]
     out: PathBuf,
+    #[arg(long, help = format!("Format of stdout: {EXTENSIONS}"))]
+    format: Option<String>,
     /// Print one JSON object.
     #[arg(long)]
     json: bool,
@@ -75,19 +70,32 @@ enum Goal {
 
 impl Run for Simplify {
     fn run(self) -> anyhow::Result<Outcome> {
-        let format = Format::of(&self.out)?;
+        let format = self.mesh_format()?;
         let goals = self.goals()?;
-        let mut image = import::load(&self.file)?;
-        let scale = self.scale(&image)?;
-        let filled = image.field.fill_gaps();
-        if filled > 0 {
-            eprintln!(
-                "terrane: filled {filled} of {} samples, which hold no data, from their surroundings",
-                image.field.heights().len()
-            );
+        let cuts = self.input.gaps == Gaps::Cut;
+        ensure!(
+            !cuts || self.cost.cost() == Cost::Certified,
+            "--gaps cut: found --cost {}, expected certified",
+            self.cost.cost().name()
+        );
+        let mut read = self.input.read(self.cost.bytes_a_sample())?;
+        let described = read.described();
+        let (image, scale) = (&mut read.image, read.scale);
+        let holes = Holes::of(&image.field).filter(|_| self.input.gaps == Gaps::Cut);
+        let samples = image.field.heights().len();
+        let mut filled = image.field.fill_gaps();
+        match &holes {
+            Some(holes) => {
+                eprintln!("terrane: {} of {samples} samples hold no data, and become holes", holes.count());
+                filled = 0;
+            }
+            None if filled > 0 => {
+                eprintln!("terrane: filled {filled} of {samples} samples, which hold no data, from their surroundings");
+            }
+            None => (),
         }
         let begun = Instant::now();
-        let mut levels = simplified(&image.field, self.cost.cost())?;
+        let mut levels = simplified(&image.field, holes, self.cost.cost())?;
         if !self.keep_samples {
             levels = levels.with_polish();
         }
@@ -97,7 +105,7 @@ impl Run for Simplify {
             rows.push(self.write_level(&mut levels, goal, goals.len() > 1, format, scale)?);
         }
         if self.json {
-            println!("{}", self.summary(&image, scale, filled, seconds, rows));
+            println!("{}", self.summary(described, filled, seconds, rows));
         }
         Ok(Outcome::Done)
     }
@@ -111,20 +119,52 @@ impl CostOption {
             CostOption::Spring => Cost::Spring,
         }
     }
+
+    /// Bytes that simplifying takes a sample at its peak, heights and file included (measured: `/usr/bin/time -v`).
+    fn bytes_a_sample(self) -> usize {
+        match self {
+            CostOption::Certified => 190,
+            CostOption::Quadric | CostOption::Spring => 750,
+        }
+    }
 }
 
 /// All levels of a field; says so on stderr, since it can take minutes.
-fn simplified(field: &Heightfield, cost: Cost) -> anyhow::Result<Levels<'_>> {
+fn simplified(field: &Heightfield, holes: Option<Holes>, cost: Cost) -> anyhow::Result<Levels<'_>> {
     let collapses = (field.heights().len() - 4) as u64;
     eprintln!("terrane: simplifying {} x {} samples by {} cost", field.columns(), field.rows(), cost.name());
     let bar = if std::io::stderr().is_terminal() { ProgressBar::new(collapses) } else { ProgressBar::hidden() };
     bar.set_style(ProgressStyle::with_template("{bar:40} {percent}% {eta}")?);
-    let levels = Levels::new(field, cost, &mut |done| bar.set_position(done as u64))?;
+    let mut progress = |done| bar.set_position(done as u64);
+    let levels = match holes {
+        Some(holes) => Levels::around(field, holes, &mut progress)?,
+        None => Levels::new(field, cost, &mut progress)?,
+    };
     bar.finish_and_clear();
     Ok(levels)
 }
 
 impl Simplify {
+    /// Whether the mesh goes to stdout.
+    fn to_stdout(&self) -> bool {
+        self.out == Path::new("-")
+    }
+
+    fn mesh_format(&self) -> anyhow::Result<Format> {
+        let Some(name) = &self.format else {
+            ensure!(!self.to_stdout(), "--out -: found no --format, expected the format of stdout: {EXTENSIONS}");
+            return Ok(Format::of(&self.out)?);
+        };
+        ensure!(
+            self.to_stdout(),
+            "--format: found --out {}, expected --out -: files have the format of their name",
+            self.out.display()
+        );
+        ensure!(self.faces.len() + self.error.len() == 1, "--out -: found several levels, expected one, or the name of a file");
+        ensure!(!self.json, "--out -: found --json, expected one or the other: both would go to stdout");
+        Ok(Format::of(&Path::new("stdout").with_extension(name.trim_start_matches('.')))?)
+    }
+
     fn goals(&self) -> anyhow::Result<Vec<Goal>> {
         for &faces in &self.faces {
             ensure!(faces >= 2, "--faces: found {faces}, expected 2 or more: a rectangle has no fewer triangles");
@@ -142,21 +182,6 @@ impl Simplify {
         Ok(goals)
     }
 
-    /// Metres a sample spacing east and north, and a unit of height.
-    fn scale(&self, image: &Imported) -> anyhow::Result<DVec3> {
-        let [across, along] = match (self.spacing, image.spacing_m) {
-            (Some(metres), _) => {
-                ensure!((1e-6..=1e6).contains(&metres), "--spacing: found {metres}, expected 0.000001 to 1000000 metres");
-                [metres; 2]
-            }
-            (None, Some(own)) => own,
-            (None, None) => [DEFAULT_SPACING_M; 2],
-        };
-        let height = self.height_scale;
-        ensure!((1e-6..=1e6).contains(&height), "--height-scale: found {height}, expected 0.000001 to 1000000 metres");
-        Ok(DVec3::new(across, along, height))
-    }
-
     /// The file of a level.
     fn path(&self, goal: Goal, several: bool) -> PathBuf {
         let [stem, extension] =
@@ -168,14 +193,7 @@ impl Simplify {
         }
     }
 
-    fn write_level(
-        &self,
-        levels: &mut Levels,
-        goal: Goal,
-        several: bool,
-        format: Format,
-        scale: DVec3,
-    ) -> anyhow::Result<serde_json::Value> {
+    fn write_level(&self, levels: &mut Levels, goal: Goal, several: bool, format: Format, scale: DVec3) -> anyhow::Result<Value> {
         let begun = Instant::now();
         let Level { surface, deviation } = match goal {
             Goal::Faces(faces) => levels.of_faces(faces),
@@ -183,16 +201,25 @@ impl Simplify {
         };
         let path = self.path(goal, several);
         let bytes = Model::of_heightfield(&surface, scale).encode(format)?;
-        pictures::write_whole(&path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
+        if self.to_stdout() {
+            std::io::stdout().lock().write_all(&bytes).context("cannot write the mesh to stdout")?;
+        } else {
+            pictures::write_whole(&path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
+        }
         let (faces, vertices) = (surface.faces.len(), surface.positions.len());
         let (max, rms) = (deviation.max * scale.z, deviation.rms * scale.z);
         let seconds = begun.elapsed().as_secs_f64();
         if !self.json {
             let megabytes = bytes.len() as f64 / 1e6;
-            println!(
+            let said = format!(
                 "{}: {faces} triangles, {vertices} vertices, error up to {max:.3} m, {rms:.3} m rms, {megabytes:.1} MB",
                 path.display()
             );
+            if self.to_stdout() {
+                eprintln!("{said}");
+            } else {
+                println!("{said}");
+            }
         }
         Ok(json!({
             "faces": faces, "vertices": vertices, "max_error": max, "rms_error": rms, "uncovered": deviation.uncovered,
@@ -200,23 +227,17 @@ impl Simplify {
         }))
     }
 
-    fn summary(
-        &self,
-        image: &Imported,
-        scale: DVec3,
-        filled: usize,
-        seconds: f64,
-        levels: Vec<serde_json::Value>,
-    ) -> serde_json::Value {
-        let bounds = image.grid.map(|grid| {
-            let (south, east) = (grid.south(image.field.rows()), grid.east(image.field.columns()));
-            json!({ "west": grid.west, "south": south, "east": east, "north": grid.north })
+    fn summary(&self, mut described: Value, filled: usize, seconds: f64, levels: Vec<Value>) -> Value {
+        // Surfaces with holes keep their samples.
+        let whole = self.input.gaps == Gaps::Fill || described["gaps"] == 0;
+        let polished = !self.keep_samples && self.cost.cost() == Cost::Certified && whole;
+        let own = json!({
+            "heightfield": self.input.files[0], "heightfields": self.input.files, "filled": filled, "cost": self.cost.cost().name(),
+            "polished": polished, "simplify_seconds": seconds, "levels": levels,
         });
-        json!({
-            "heightfield": self.file, "format": image.format.name(), "columns": image.field.columns(), "rows": image.field.rows(),
-            "range": image.range, "bounds_deg": bounds, "spacing_m": [scale.x, scale.y], "height_scale_m": scale.z,
-            "filled": filled, "cost": self.cost.cost().name(),
-            "polished": !self.keep_samples && self.cost.cost() == Cost::Certified, "simplify_seconds": seconds, "levels": levels,
-        })
+        if let (Value::Object(all), Value::Object(own)) = (&mut described, own) {
+            all.extend(own);
+        }
+        described
     }
 }

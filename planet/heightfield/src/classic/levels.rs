@@ -5,7 +5,7 @@
 use super::{progressive_mesh, ClassicError, Cost, ProgressiveMesh};
 use crate::plain;
 use crate::plain::HalfEdgeCollapses;
-use crate::{Deviation, Heightfield, TriangleSurface};
+use crate::{Deviation, Heightfield, Holes, TriangleSurface};
 
 /// Vertices of the first surface that is tried for an error, besides the corners, and how many times more each next one has.
 const FIRST_STEPS: usize = 16;
@@ -22,6 +22,8 @@ pub struct Levels<'a> {
     field: &'a Heightfield,
     sequence: Sequence,
     polish: bool,
+    /// What is cut out of every surface.
+    holes: Option<Holes>,
 }
 
 /// Where surfaces come from. Collapses alone take a tenth of the memory of a progressive mesh.
@@ -48,12 +50,23 @@ impl<'a> Levels<'a> {
             Cost::Certified => Sequence::Collapses(plain::simplify_with(field, progress)?),
             Cost::Quadric | Cost::Spring => Sequence::Mesh { mesh: Box::new(progressive_mesh(field, cost, progress)?), at: 0 },
         };
-        Ok(Levels { field, sequence, polish: false })
+        Ok(Levels { field, sequence, polish: false, holes: None })
     }
 
-    /// The same, with certified surfaces polished: vertices still stand on samples, but need not have their heights.
+    /// Simplifies a filled heightfield around holes, which are cut out of every level; all samples on their borders stay. By
+    /// [`Cost::Certified`].
+    ///
+    /// # Errors
+    /// As [`Levels::new`].
+    pub fn around(field: &'a Heightfield, holes: Holes, progress: &mut dyn FnMut(usize)) -> Result<Levels<'a>, ClassicError> {
+        let sequence = Sequence::Collapses(plain::simplify_around(field, &holes.border(), progress)?);
+        Ok(Levels { field, sequence, polish: false, holes: Some(holes) })
+    }
+
+    /// The same, with certified surfaces polished: vertices still stand on samples, but need not have their heights. Surfaces with
+    /// holes stay as they are.
     pub fn with_polish(self) -> Self {
-        Levels { polish: true, ..self }
+        Levels { polish: self.holes.is_none(), ..self }
     }
 
     /// The finest surface of at most so many faces; the coarsest, for fewer than that has.
@@ -174,6 +187,10 @@ impl<'a> Levels<'a> {
     }
 
     fn measured(&self, surface: TriangleSurface) -> Level {
+        let surface = match &self.holes {
+            Some(holes) => holes.cut(&surface),
+            None => surface,
+        };
         Level { deviation: surface.deviation(self.field), surface }
     }
 }

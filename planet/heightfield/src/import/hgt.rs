@@ -1,34 +1,54 @@
 //! Tiles of the Shuttle Radar Topography Mission: one degree square with both borders, metres as 16-bit big-endian
 //! integers, north row first. The name gives the south-west corner: `N36W085.hgt`. (USGS, SRTM Topography, 2015.)
 
-use super::{Fault, Format, GeographicGrid, ImportError, Imported, Source, Values};
+use super::crs::Crs;
+use super::gaps::Gaps;
+use super::place::{self, Raster};
+use super::{Fault, Format, ImportError, Imported, Source, Values};
 use std::path::Path;
 
-/// Samples a side: three arc seconds and one.
-const SIDES: [usize; 2] = [1201, 3601];
+/// Columns and rows: three arc seconds and one; and two seconds of longitude by one of latitude, far north and south.
+const SIZES: [[usize; 2]; 3] = [[1201, 1201], [3601, 3601], [1801, 3601]];
 
-/// What stands for no data.
-const NO_DATA: i16 = i16::MIN;
+/// What stands for no data; and for what the radar saw nothing in, or too much.
+const NO_DATA: f64 = -32_768.0;
+const SPIKE: i16 = i16::MAX;
+
+/// Whether so many bytes are such a tile.
+pub(super) fn is_tile(length: usize) -> bool {
+    SIZES.iter().any(|[columns, rows]| 2 * columns * rows == length)
+}
 
 /// Reads a tile.
 pub(super) fn read(source: &Source) -> Result<Imported, ImportError> {
     let length = source.bytes.len();
-    let side = SIDES.into_iter().find(|side| 2 * side * side == length).ok_or_else(|| {
-        let expected = "2884802 (1201 x 1201 samples) or 25934402 (3601 x 3601)";
+    let size = SIZES.into_iter().find(|[columns, rows]| 2 * columns * rows == length).ok_or_else(|| {
+        let expected = "2884802 (1201 x 1201 samples), 12967202 (1801 x 3601) or 25934402 (3601 x 3601)";
         source.refuse(Fault::Length, format!("{length} bytes"), expected)
     })?;
-    let height = |b: &[u8]| match i16::from_be_bytes([b[0], b[1]]) {
-        NO_DATA => f32::NAN,
-        metres => f32::from(metres),
+    source.check_part(size)?;
+    let gaps = Gaps::new(source, Some(NO_DATA));
+    let mut spikes = 0;
+    let mut height = |b: &[u8]| {
+        let metres = i16::from_be_bytes([b[0], b[1]]);
+        spikes += usize::from(metres == SPIKE);
+        if metres == SPIKE || gaps.holds(f64::from(metres), false) {
+            f32::NAN
+        } else {
+            f32::from(metres)
+        }
     };
-    let heights = source.bytes.chunks_exact(2).map(height).collect();
-    let tile = Imported::new(source, Format::Hgt, Values::Metres, [side, side], heights)?;
-    let step = 1.0 / (side - 1) as f64;
-    let grid =
-        corner(source.name).map(|[south, west]| GeographicGrid { west, north: south + 1.0, step_east: step, step_south: step });
-    Ok(tile.at(grid))
+    let heights = source.bytes.chunks_exact(2).map(&mut height).collect();
+    let mut tile = Imported::new(source, Format::Hgt, Values::Metres, size, heights)?;
+    tile.declared_no_data = Some(NO_DATA);
+    if spikes > 0 {
+        tile.notes.push(format!("{spikes} spikes of 32767 are no heights: taken as gaps"));
+    }
+    let Some([south, west]) = corner(source.name) else { return Ok(tile) };
+    let degrees = Crs::of_code(4326).map_err(|found| source.refuse(Fault::Place, found, "degrees on WGS 84"))?;
+    let step = size.map(|side| 1.0 / (side - 1) as f64);
+    Ok(place::place(source, tile, &degrees, Raster { origin: [west, south + 1.0], step }))
 }
-
 /// Latitude and longitude of the south-west corner, from a name such as `N36W085.hgt` or `s01e010.SRTMGL1.hgt`.
 fn corner(name: &str) -> Option<[f64; 2]> {
     let name = Path::new(name).file_name()?.to_str()?.to_ascii_uppercase();

@@ -4,6 +4,7 @@
 use super::ReadLayer;
 use crate::recipe::error::RecipeError;
 use crate::recipe::reader::Reader;
+use terrane_heightfield::import::{Encoding, NoData, Options, RawType};
 
 /// Where a heightmap lies.
 #[derive(Clone, Debug)]
@@ -24,7 +25,7 @@ pub enum Placement {
         /// Width of the edge over which the map blends with the ground, in metres; by default a tenth of its width.
         blend_m: Option<f64>,
     },
-    /// Where the file says, along parallels and meridians: GeoTIFFs in degrees and HGT tiles.
+    /// Where the file says: along parallels and meridians for GeoTIFFs in degrees and HGT tiles, at its middle for projections.
     File {
         /// Width of the edge over which the map blends with the ground, in metres; by default a tenth of its smaller side.
         blend_m: Option<f64>,
@@ -45,11 +46,13 @@ pub enum HeightScale {
     },
 }
 
-/// A heightfield file that replaces the elevation where it lies.
+/// Heightfield files that replace the elevation where they lie.
 #[derive(Clone, Debug)]
 pub struct Heightmap {
-    /// The file's name, relative to the recipe.
-    pub file: String,
+    /// The files' names, relative to the recipe; several are tiles that touch.
+    pub files: Vec<String>,
+    /// What they do not say themselves.
+    pub reading: Options,
     /// How its samples become metres.
     pub heights: HeightScale,
     /// Where it lies.
@@ -60,10 +63,36 @@ pub struct Heightmap {
 
 impl ReadLayer for Heightmap {
     fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
-        let file = reader.string("file", "the name of a heightfield file: PNG, TIFF, .hgt or .raw")?;
+        let expected = "the name of a heightfield file, such as N36W085.hgt or dem.tif, or names of tiles that touch";
+        let files = reader.strings("file", expected)?;
         let origin = (reader.line_of("file"), reader.path_of("file"));
-        Ok(Self { file, heights: HeightScale::read(reader)?, placement: Placement::read(reader, radius)?, origin })
+        let reading = reading(reader)?;
+        Ok(Self { files, reading, heights: HeightScale::read(reader)?, placement: Placement::read(reader, radius)?, origin })
     }
+}
+
+/// What a recipe says about files that do not say it themselves.
+fn reading(reader: &Reader<'_>) -> Result<Options, RecipeError> {
+    let text = |key: &'static str, expected: &str| reader.has(key).then(|| reader.string(key, expected)).transpose();
+    let encoding = "\"terrarium\" or \"mapbox\"";
+    let named = |name: String| Encoding::named(&name).ok_or_else(|| reader.wrong_name("encoding", &name, encoding));
+    let raw = |name: String| RawType::named(&name).ok_or_else(|| reader.wrong_name("raw_type", &name, RawType::NAMES));
+    let sides = |sides: [f64; 2]| {
+        let whole = sides.map(|side| (side.fract() == 0.0).then_some(side as usize));
+        let [Some(columns), Some(rows)] = whole else {
+            let expected = "columns and rows, two whole numbers";
+            return Err(reader.wrong("raw_size", reader.line_of("raw_size"), format!("{sides:?}"), expected));
+        };
+        Ok([columns, rows])
+    };
+    Ok(Options {
+        crs: text("crs", "a coordinate system: \"EPSG:2264\", a proj string or WKT")?,
+        no_data: reader.has("no_data").then(|| reader.number("no_data", f64::MIN..=f64::MAX)).transpose()?.map(NoData::Value),
+        encoding: text("encoding", encoding)?.map(named).transpose()?,
+        raw_size: reader.has("raw_size").then(|| reader.numbers("raw_size", 2.0..=1e6)).transpose()?.map(sides).transpose()?,
+        raw_type: text("raw_type", RawType::NAMES)?.map(raw).transpose()?,
+        ..Options::default()
+    })
 }
 
 impl HeightScale {

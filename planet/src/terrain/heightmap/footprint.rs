@@ -2,7 +2,8 @@
 //!
 //! In: unit directions. Out: column and row as fractions, and a weight that falls to 0 at the edge.
 
-use super::smoothstep;
+use super::globe::Globe;
+use super::{projected, smoothstep};
 use crate::recipe::Placement;
 use std::f64::consts::PI;
 use terrane_heightfield::angles::{atan2, sin_cos};
@@ -29,18 +30,21 @@ pub(super) struct Spot {
 
 /// Where a map lies.
 pub(super) enum Footprint {
-    Planet { columns: f64, rows: f64 },
+    Planet(Globe),
     Rectangle(Rectangle),
     Grid(Grid),
 }
 
 /// What was found and what was expected.
-type Fault = (String, String);
+pub(super) type Fault = (String, String);
 
 impl Footprint {
     pub(super) fn new(image: &Imported, placement: &Placement, radius: f64) -> Result<Footprint, Fault> {
         match *placement {
-            Placement::Planet => Footprint::planet(image),
+            Placement::Planet => Globe::new(image).map(Footprint::Planet),
+            Placement::File { blend_m } if image.grid.is_none() && image.georeference.is_some() => {
+                projected::rectangle(image, blend_m, radius).map(Footprint::Rectangle)
+            }
             Placement::File { blend_m } => Grid::new(image, blend_m, radius).map(Footprint::Grid),
             Placement::Local { latitude_deg, longitude_deg, width_m, heading_deg, blend_m } => {
                 let frame = frame(latitude_deg, longitude_deg, heading_deg);
@@ -49,30 +53,15 @@ impl Footprint {
         }
     }
 
-    fn planet(image: &Imported) -> Result<Footprint, Fault> {
-        let (columns, rows) = (image.field.columns(), image.field.rows());
-        if columns != 2 * rows {
-            let elsewhere = if image.grid.is_some() { ", or `placement = \"file\"` to put it where the file says" } else { "" };
-            let found = format!("{columns} x {rows} samples");
-            return Err((found, format!("a whole-planet map twice as wide as high{elsewhere}")));
-        }
-        Ok(Footprint::Planet { columns: columns as f64, rows: rows as f64 })
-    }
-
     /// Whether the last column's neighbour is the first.
     pub(super) fn wraps(&self) -> bool {
-        matches!(self, Footprint::Planet { .. })
+        matches!(self, Footprint::Planet(_))
     }
 
     /// The position on the map, if the direction falls on it.
     pub(super) fn locate(&self, d: [f64; 3]) -> Option<Spot> {
         match self {
-            Footprint::Planet { columns, rows } => {
-                let longitude = atan2(d[1], d[0]);
-                let latitude = atan2(d[2], (d[0] * d[0] + d[1] * d[1]).sqrt());
-                let column = (longitude / (2.0 * PI) + 0.5) * columns - 0.5;
-                Some(Spot { column, row: (0.5 - latitude / PI) * rows - 0.5, weight: 1.0 })
-            }
+            Footprint::Planet(globe) => Some(globe.locate(d)),
             Footprint::Rectangle(rectangle) => rectangle.locate(d),
             Footprint::Grid(grid) => grid.locate(d),
         }
@@ -84,7 +73,7 @@ fn dot(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 /// Centre, right and up of a map placed on the sphere.
-fn frame(latitude_deg: f64, longitude_deg: f64, heading_deg: f64) -> [[f64; 3]; 3] {
+pub(super) fn frame(latitude_deg: f64, longitude_deg: f64, heading_deg: f64) -> [[f64; 3]; 3] {
     let (sin_lat, cos_lat) = sin_cos(latitude_deg);
     let (sin_lon, cos_lon) = sin_cos(longitude_deg);
     let (sin_head, cos_head) = sin_cos(heading_deg);
@@ -112,23 +101,36 @@ impl Rectangle {
         radius: f64,
     ) -> Result<Self, Fault> {
         let size = [image.field.columns() as f64, image.field.rows() as f64];
+        if let (Some(unplaced), None) = (&image.unplaced, width_m) {
+            return Err((unplaced.found.to_string(), format!("{}, `crs`, or `width_m`", unplaced.expected)));
+        }
         let own_width = image.spacing_m.map(|[across, _]| size[0] * across);
         let unknown = || ("a file that does not state its spacing".to_owned(), "`width_m`".to_owned());
         let width_m = width_m.or(own_width).ok_or_else(unknown)?;
         if !(1.0..=radius).contains(&width_m) {
             return Err((format!("a map {width_m:.0} m wide"), "1 m to the planet's radius; `width_m` can shrink it".into()));
         }
-        // Without a spacing pixels are square.
+        // Without a spacing samples are square.
         let height_m = match image.spacing_m {
             None => width_m * size[1] / size[0],
             Some([across, along]) => width_m * (size[1] * along) / (size[0] * across),
         };
-        let half_m = [0.5 * width_m, 0.5 * height_m];
-        let blend_m = blend_width(blend_m, BLEND_SHARE * width_m, half_m[0])?;
+        Self::of_size(frame, size, [0.5 * width_m, 0.5 * height_m], blend_m, radius)
+    }
+
+    /// A rectangle of so many metres on either side of its centre.
+    pub(super) fn of_size(
+        frame: [[f64; 3]; 3],
+        size: [f64; 2],
+        half_m: [f64; 2],
+        blend_m: Option<f64>,
+        radius: f64,
+    ) -> Result<Self, Fault> {
+        let blend_m = blend_width(blend_m, BLEND_SHARE * 2.0 * half_m[0], half_m[0])?;
         Ok(Self { frame, size, half_m, blend_m, radius })
     }
 
-    fn locate(&self, d: [f64; 3]) -> Option<Spot> {
+    pub(super) fn locate(&self, d: [f64; 3]) -> Option<Spot> {
         let [centre, right, up] = self.frame;
         let ahead = dot(d, centre);
         if ahead <= 0.1 {
@@ -179,8 +181,11 @@ pub(super) struct Grid {
 
 impl Grid {
     fn new(image: &Imported, blend_m: Option<f64>, radius: f64) -> Result<Grid, Fault> {
+        if let Some(unplaced) = &image.unplaced {
+            return Err((unplaced.found.to_string(), format!("{}, or `crs`", unplaced.expected)));
+        }
         let unknown = || {
-            let expected = "a GeoTIFF in degrees on WGS 84 or an HGT tile such as N36W085.hgt; or place it by \
+            let expected = "a GeoTIFF or an HGT tile such as N36W085.hgt; or place it by \
                             `latitude_deg`, `longitude_deg` and `width_m`";
             ("a file that does not state its place".to_owned(), expected.to_owned())
         };

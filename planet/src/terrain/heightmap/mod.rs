@@ -5,6 +5,8 @@
 
 mod cover;
 mod footprint;
+mod globe;
+mod projected;
 
 use super::layer::{Evaluate, Past};
 use super::points::{Lane, Points, WideLane, LANES};
@@ -12,7 +14,8 @@ use crate::recipe::{self, HeightScale, Recipe, RecipeError};
 use cover::Cover;
 use footprint::{Footprint, Spot};
 use terrane_heightfield::import;
-use terrane_heightfield::import::{Imported, Values};
+use terrane_heightfield::import::{ImportError, Imported, Values};
+use terrane_heightfield::Heightfield;
 
 /// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
 fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
@@ -81,20 +84,51 @@ impl Scale {
     }
 }
 
+/// A field without its last columns, which say again what the first ones say.
+fn first_columns(field: Heightfield, wanted: usize) -> Heightfield {
+    let (columns, rows) = (field.columns(), field.rows());
+    if wanted >= columns {
+        return field;
+    }
+    let heights = field.heights().chunks_exact(columns).flat_map(|row| row[..wanted].iter().copied()).collect();
+    Heightfield::new(wanted, rows, heights).unwrap_or(field)
+}
+
+/// The files of a layer, as one image.
+fn read(map: &recipe::Heightmap, recipe: &Recipe) -> Result<Imported, RecipeError> {
+    let fault = |e: ImportError| {
+        let found = if map.files.len() > 1 { format!("{} in {}", e.found, e.file) } else { e.found.into() };
+        recipe.heightmap_error(map, found, &format!("{}; {}", e.expected, e.advice))
+    };
+    let mut images = Vec::new();
+    for file in &map.files {
+        let asset = recipe.assets.iter().find(|a| a.name == *file);
+        let asset = asset.ok_or_else(|| recipe.heightmap_error(map, "no such asset".into(), "its bytes among the assets"))?;
+        let image = import::read_with(&asset.bytes, &asset.name, &map.reading).map_err(fault)?;
+        images.push((file.clone(), image));
+    }
+    let image = import::join(images).map_err(fault)?;
+    for note in &image.notes {
+        tracing::warn!("{}: {note}", map.files.join(", "));
+    }
+    Ok(image)
+}
+
 impl Evaluate for Heightmap {
     type Recipe = recipe::Heightmap;
 
     fn new(_: u64, map: &recipe::Heightmap, recipe: &Recipe) -> Result<Self, RecipeError> {
         let fault = |found: String, expected: &str| recipe.heightmap_error(map, found, expected);
-        let asset = recipe.assets.iter().find(|a| a.name == map.file);
-        let asset = asset.ok_or_else(|| fault("no such asset".into(), "its bytes among the assets"))?;
-        let image = import::read(&asset.bytes, &asset.name)
-            .map_err(|e| fault(e.found.into(), &format!("{}; {}", e.expected, e.fault.advice())))?;
+        let image = read(map, recipe)?;
         let scale = Scale::new(&image, &map.heights).map_err(|(found, expected)| fault(found, expected))?;
         let footprint =
             Footprint::new(&image, &map.placement, recipe.radius).map_err(|(found, expected)| fault(found, &expected))?;
-        let cover = Cover::new(&image.field);
-        let (columns, rows, mut field) = (image.field.columns(), image.field.rows(), image.field);
+        let mut field = image.field;
+        if let Footprint::Planet(globe) = &footprint {
+            field = first_columns(field, globe.turn());
+        }
+        let cover = Cover::new(&field);
+        let (columns, rows) = (field.columns(), field.rows());
         field.fill_gaps();
         let (poles, radius) = ([(0.0, 1.0); 2], recipe.radius);
         let mut map = Self { columns, rows, samples: field.into_heights(), cover, scale, footprint, poles, radius };
