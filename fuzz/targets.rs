@@ -3,6 +3,7 @@
 //! In: any bytes. Out: nothing; a panic, a leak or too much memory is the finding.
 
 use terrane_heightfield::import;
+use terrane_heightfield::import::photo;
 use terrane_heightfield::import::MOST_SAMPLES;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::Face;
@@ -42,6 +43,15 @@ pub fn hgt(bytes: &[u8]) {
     heightfield(bytes, &name);
     if bytes.len() > 1 {
         heightfield(&bytes.iter().copied().cycle().take(2 * 1201 * 1201).collect::<Vec<u8>>(), &name);
+    }
+}
+
+/// Every reader of pictures keeps its word about what it returns.
+pub fn photo(bytes: &[u8]) {
+    for magic in [&[][..], &[0xff, 0xd8, 0xff], &[0x89, b'P', b'N', b'G']] {
+        let Ok(photo) = photo::read(&with_magic(magic, bytes), "a.jpg") else { continue };
+        let [columns, rows] = photo.size();
+        assert!(columns >= 2 && rows >= 2 && columns * rows <= MOST_SAMPLES && photo.pixels.len() == columns * rows);
     }
 }
 

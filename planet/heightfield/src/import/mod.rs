@@ -7,6 +7,7 @@ mod error;
 mod geography;
 mod geotiff;
 mod hgt;
+pub mod photo;
 mod png;
 mod raw;
 mod tiff;

@@ -54,6 +54,8 @@ pub struct Heightmap {
     pub heights: HeightScale,
     /// Where it lies.
     pub placement: Placement,
+    /// Whether samples may move by up to half a level, so that gentle ground shows no steps (default false).
+    pub smooth_steps: bool,
     /// Line and path of the `file` key, for messages.
     pub(crate) origin: (usize, String),
 }
@@ -62,7 +64,13 @@ impl ReadLayer for Heightmap {
     fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
         let file = reader.string("file", "the name of a heightfield file: PNG, TIFF, .hgt or .raw")?;
         let origin = (reader.line_of("file"), reader.path_of("file"));
-        Ok(Self { file, heights: HeightScale::read(reader)?, placement: Placement::read(reader, radius)?, origin })
+        Ok(Self {
+            file,
+            heights: HeightScale::read(reader)?,
+            placement: Placement::read(reader, radius)?,
+            smooth_steps: reader.flag("smooth_steps")?,
+            origin,
+        })
     }
 }
 
@@ -86,7 +94,7 @@ impl HeightScale {
 }
 
 impl Placement {
-    fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
+    pub(super) fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
         let blend_m = |most: f64| reader.has("blend_m").then(|| reader.number("blend_m", 0.0..=most)).transpose();
         if reader.has("placement") {
             let expected = "\"file\"; without this key a map covers the planet, or lies at `latitude_deg` and `longitude_deg`";
