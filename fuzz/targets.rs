@@ -3,6 +3,7 @@
 //! In: any bytes. Out: nothing; a panic, a leak or too much memory is the finding.
 
 use terrane_heightfield::import;
+use terrane_heightfield::import::photo;
 use terrane_heightfield::import::{Encoding, NoData, Options, RawType, Window, MOST_SAMPLES};
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::Face;
@@ -86,6 +87,15 @@ pub fn systems(bytes: &[u8]) {
     let options = Options { crs: Some(String::from_utf8_lossy(bytes).into_owned()), ..Options::default() };
     for place in ["xllcorner 500000 yllcorner 5200000 cellsize 10", "xllcorner 3 yllcorner 40 cellsize 0.01"] {
         heightfield_with(format!("ncols 2 nrows 2 {place} 1 2 3 4").as_bytes(), "a.asc", &options);
+    }
+}
+
+/// Every reader of pictures keeps its word about what it returns.
+pub fn photo(bytes: &[u8]) {
+    for magic in [&[][..], &[0xff, 0xd8, 0xff], &[0x89, b'P', b'N', b'G']] {
+        let Ok(photo) = photo::read(&with_magic(magic, bytes), "a.jpg") else { continue };
+        let [columns, rows] = photo.size();
+        assert!(columns >= 2 && rows >= 2 && columns * rows <= MOST_SAMPLES && photo.pixels.len() == columns * rows);
     }
 }
 

@@ -63,6 +63,11 @@ fn systems_seeds_do_not_panic() {
 }
 
 #[test]
+fn photo_seeds_do_not_panic() {
+    run("photo", targets::photo);
+}
+
+#[test]
 fn geometry_seeds_do_not_panic() {
     run("geometry", targets::geometry);
 }

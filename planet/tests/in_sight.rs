@@ -128,7 +128,7 @@ fn under_a_sea(field: &TestField, level_m: f64) -> Planet {
     let mut planet = planet(field, 16);
     let empty = planet.tree.emptied();
     let known = std::mem::replace(&mut planet.tree, empty);
-    planet.tree = known.with_sea(level_m);
+    planet.tree = known.with_sea(level_m, f64::MAX);
     planet
 }
 

@@ -15,6 +15,7 @@ mod extremes;
 mod fuzz_seeds;
 mod heightmaps;
 mod horizon;
+mod imagery;
 mod in_sight;
 mod independence;
 mod kept_by_a_file;

@@ -4,6 +4,7 @@ use super::pose::meet_sphere;
 use crate::scene::{DrawnGround, Scene};
 use glam::DVec3;
 use terrane_planet::recipe::Recipe;
+use terrane_planet::terrain::Terrain;
 
 /// A surface around the planet's centre, in planet-fixed metres.
 pub(super) trait Surface {
@@ -18,28 +19,31 @@ pub(super) trait Surface {
 pub(super) struct DrawnSurface<'a> {
     ground: &'a DrawnGround,
     recipe: &'a Recipe,
+    terrain: &'a Terrain,
 }
 
 impl<'a> DrawnSurface<'a> {
-    pub(super) fn new(ground: &'a DrawnGround, recipe: &'a Recipe) -> DrawnSurface<'a> {
-        DrawnSurface { ground, recipe }
+    pub(super) fn new(ground: &'a DrawnGround, recipe: &'a Recipe, terrain: &'a Terrain) -> DrawnSurface<'a> {
+        DrawnSurface { ground, recipe, terrain }
     }
 
     pub(super) fn of_scene(scene: &'a Scene) -> DrawnSurface<'a> {
-        DrawnSurface::new(scene.ground(), &scene.planet().recipe)
+        DrawnSurface::new(scene.ground(), &scene.planet().recipe, &scene.planet().terrain)
     }
 }
 
 impl Surface for DrawnSurface<'_> {
     fn radius(&self, direction: DVec3) -> f64 {
-        self.recipe.radius + self.recipe.ground_or_sea(self.ground.height_at(direction).unwrap_or(0.0))
+        let ground = self.ground.height_at(direction).unwrap_or(0.0);
+        self.recipe.radius + self.terrain.ground_or_sea(self.recipe, direction, ground)
     }
 
     fn meet(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
         let ground = self.ground.known.raycast(origin, direction).map(|hit| hit.position);
         let dives = |&sea: &f64| origin.cross(direction).length() < sea;
         let sea = self.recipe.sea.as_ref().map(|sea| self.recipe.radius + sea.level_m);
-        let sea = sea.filter(dives).and_then(|sea| meet_sphere(origin, direction, sea).map(|towards| towards * sea));
+        let wet = |towards: &DVec3| !self.terrain.is_kept_dry(*towards);
+        let sea = sea.filter(dives).and_then(|sea| meet_sphere(origin, direction, sea).filter(wet).map(|towards| towards * sea));
         ground.into_iter().chain(sea).min_by(|a, b| a.distance_squared(origin).total_cmp(&b.distance_squared(origin)))
     }
 }
@@ -124,7 +128,7 @@ mod tests {
     fn flying_into_a_mountain_side_leads_up_along_it() {
         let (planet, known, [foot, top]) = mountain();
         let ground = DrawnGround::new(known);
-        let surface = DrawnSurface::new(&ground, &planet.recipe);
+        let surface = DrawnSurface::new(&ground, &planet.recipe, &planet.terrain);
         let towards = (top - foot).normalize();
         let position = foot * (surface.radius(foot) + 10.0);
         let level = Camera { position, forward: towards, up: foot, fov: 1.0, size: [64, 64] };
@@ -162,7 +166,7 @@ mod tests {
         let drawn = Leaf { id: PatchId::containing(site, level), coarser_sides: 0 };
         ground.follow(&Cut { leaves: vec![drawn], ..Cut::default() });
         assert_eq!(ground.height_at(site), Some(high));
-        let surface = DrawnSurface::new(&ground, &planet.recipe);
+        let surface = DrawnSurface::new(&ground, &planet.recipe, &planet.terrain);
         let position = site * (planet.recipe.radius + low + CLEARANCE_M);
         let mut pose = Pose::of_camera(&Camera::looking(position, 0.0, 0.0, 1.0, [64, 64]));
         assert!(pose.keep_above(&surface) && !pose.keep_above(&surface));
@@ -174,12 +178,12 @@ mod tests {
         let (planet, known, [foot, _]) = mountain();
         let ground = DrawnGround::new(known);
         let mut recipe = planet.recipe.clone();
-        let dry = DrawnSurface::new(&ground, &recipe).meet(foot * 4e4, -foot).unwrap();
+        let dry = DrawnSurface::new(&ground, &recipe, &planet.terrain).meet(foot * 4e4, -foot).unwrap();
         let sea = |level_m| Sea { level_m, beach_m: 0.0, shallow: [0.0; 3], deep: [0.0; 3] };
         let bed = dry.length() - recipe.radius;
         for (level, above) in [(bed + 40.0, 40.0), (bed - 40.0, 0.0)] {
             recipe.sea = Some(sea(level));
-            let surface = DrawnSurface::new(&ground, &recipe);
+            let surface = DrawnSurface::new(&ground, &recipe, &planet.terrain);
             let met = surface.meet(foot * 4e4, -foot).unwrap();
             assert!((met.length() - dry.length() - above).abs() < 1e-6, "{}", met.length() - dry.length());
             assert!((surface.radius(foot) - met.length()).abs() < 1e-3);

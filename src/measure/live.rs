@@ -165,9 +165,9 @@ impl<'a> LiveFlight<'a> {
 
 /// The camera, above the ground that is drawn below it and above the sea.
 fn lifted(scene: &Scene, camera: Camera) -> Camera {
-    let (up, recipe) = (camera.position.normalize(), &scene.planet().recipe);
-    let surface = recipe.ground_or_sea(scene.ground().height_at(up).unwrap_or(f64::NEG_INFINITY));
-    let lowest = surface + recipe.radius + CLEARANCE_M;
+    let (up, planet) = (camera.position.normalize(), scene.planet());
+    let surface = planet.terrain.ground_or_sea(&planet.recipe, up, scene.ground().height_at(up).unwrap_or(f64::NEG_INFINITY));
+    let lowest = surface + planet.recipe.radius + CLEARANCE_M;
     let position = if camera.position.length() < lowest { up * lowest } else { camera.position };
     Camera { position, ..camera }
 }

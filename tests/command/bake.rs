@@ -141,7 +141,10 @@ fn failures_say_what_and_where_and_exit_with_one() {
     let level = ["--levels", "0", "--cells", "8"];
     let cases = [
         (["bake", "no-such-recipe.toml", "--out", "x.planet"], "no-such-recipe.toml"),
-        (["bake", "nosuch", "--out", "x.planet"], "no recipe nosuch (shipped recipes: terra, luna, mars, tiny, jacksboro)"),
+        (
+            ["bake", "nosuch", "--out", "x.planet"],
+            "no recipe nosuch (shipped recipes: terra, luna, mars, tiny, jacksboro, earth)",
+        ),
         (["bake", "bad.toml", "--out", "x.planet"], "radius_m"),
         (["bake", "RECIPE", "--out", "no/such/folder/x.planet"], "no/such/folder/x.planet: cannot create the planet file"),
         (["bake", "RECIPE", "--out", "notes.planet"], "found a text file"),

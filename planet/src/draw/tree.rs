@@ -125,10 +125,11 @@ impl PatchTree {
         tree
     }
 
-    /// The same tree for a planet with a sea whose surface lies at a height in metres above the datum.
-    pub fn with_sea(mut self, level_m: f64) -> PatchTree {
+    /// The same tree for a planet with a sea whose surface lies at a height in metres above the datum. No ground out of which the sea is kept
+    /// lies below `dry_m`.
+    pub fn with_sea(mut self, level_m: f64, dry_m: f64) -> PatchTree {
         let radius = |metres: f64| self.lattice.radius + metres / self.lattice.unit;
-        self.sea = Some(SeaSpace { surface: radius(level_m), dark: radius(level_m - SHORE_RANGE) });
+        self.sea = Some(SeaSpace { surface: radius(level_m), dark: radius((level_m - SHORE_RANGE).min(dry_m)) });
         self
     }
 

@@ -38,8 +38,8 @@ pub struct GroundPoint {
 
 /// Colour of bare ground as a pure function of direction, height and slope.
 pub trait GroundColour: Sync {
-    /// Height of the sea's surface in metres above the datum, if there is a sea.
-    fn sea_level(&self) -> Option<f64> {
+    /// Metres above the sea of each point, below 0 where the sea covers it; nothing if there is no sea.
+    fn above_sea(&self, _: &[GroundPoint]) -> Option<Vec<f64>> {
         None
     }
 

@@ -78,8 +78,10 @@ impl PatchTexture {
             }
         }
         let albedo = albedo(colour, &points, side);
-        let above_sea = |p: &GroundPoint| colour.sea_level().map_or(u8::MAX, |level| encode_shore(p.height - level));
-        let shore = points.iter().map(above_sea).collect();
+        let shore = match colour.above_sea(&points) {
+            Some(above) => above.into_iter().map(encode_shore).collect(),
+            None => vec![u8::MAX; points.len()],
+        };
         PatchTexture { slopes, albedo, shore }
     }
 }

@@ -14,7 +14,7 @@ pub const CLEARANCE_M: f64 = 1.5;
 impl Planet {
     /// Metres above the datum of what lies uppermost in a unit direction: the ground, or the sea where it covers the ground.
     pub fn surface_height(&self, direction: DVec3) -> f64 {
-        self.recipe.ground_or_sea(self.terrain.height(direction))
+        self.terrain.ground_or_sea(&self.recipe, direction, self.terrain.height(direction))
     }
 
     /// The position `altitude_m` metres above ground or sea in a unit direction, in metres from the planet's centre.

@@ -33,8 +33,8 @@ impl GroundColour for Terrain {
         Terrain::albedo(self, points, albedo);
     }
 
-    fn sea_level(&self) -> Option<f64> {
-        Terrain::sea_level(self)
+    fn above_sea(&self, points: &[GroundPoint]) -> Option<Vec<f64>> {
+        Terrain::above_sea(self, points)
     }
 }
 
@@ -156,10 +156,12 @@ impl Planet {
 
     /// What is known of this planet's patches.
     pub fn tree(&self, facts: impl IntoIterator<Item = (PatchId, PatchFacts)>) -> PatchTree {
-        let lowest = self.recipe.sea.as_ref().map_or(f64::MIN, |sea| sea.level_m).max(self.terrain.height_range().0);
+        let dry = self.terrain.lowest_dry().unwrap_or(f64::MAX);
+        let uppermost = self.recipe.sea.as_ref().map_or(f64::MIN, |sea| sea.level_m.min(dry));
+        let lowest = uppermost.max(self.terrain.height_range().0);
         let tree = PatchTree::new(self.lattice, self.cells, lowest / self.lattice.unit, facts);
         match self.terrain.sea_level() {
-            Some(level) => tree.with_sea(level),
+            Some(level) => tree.with_sea(level, dry),
             None => tree,
         }
     }

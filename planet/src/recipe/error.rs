@@ -72,4 +72,20 @@ pub enum RecipeError {
         /// What it should be.
         expected: Box<str>,
     },
+    /// A picture is missing, damaged or of the wrong kind.
+    #[error("{file}:{line}: `{path}`: picture {image}: found {found}, expected {expected}")]
+    Picture {
+        /// The recipe's name.
+        file: Box<str>,
+        /// Line of the key that names the picture, from 1.
+        line: usize,
+        /// Dotted key path.
+        path: Box<str>,
+        /// The picture's name, relative to the recipe.
+        image: Box<str>,
+        /// What the picture is.
+        found: Box<str>,
+        /// What it should be.
+        expected: Box<str>,
+    },
 }

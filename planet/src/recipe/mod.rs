@@ -109,6 +109,15 @@ impl Recipe {
                 recipe.assets.push(Asset { name: file.clone(), bytes });
             }
         }
+        for picture in recipe.pictures() {
+            if recipe.assets.iter().any(|a| a.name == picture.name) {
+                continue;
+            }
+            let path = base.join(&picture.name);
+            let bytes = std::fs::read(&path)
+                .map_err(|e| recipe.picture_error(&picture, format!("{e} at {}", path.display()), "a readable file"))?;
+            recipe.assets.push(Asset { name: picture.name, bytes });
+        }
         Ok(recipe)
     }
 
@@ -121,6 +130,11 @@ impl Recipe {
         for map in recipe.heightmaps() {
             if !map.files.iter().all(|file| assets.iter().any(|a| a.name == *file)) {
                 return Err(recipe.heightmap_error(&map, "no such asset".into(), "its bytes among the assets"));
+            }
+        }
+        for picture in recipe.pictures() {
+            if !assets.iter().any(|a| a.name == picture.name) {
+                return Err(recipe.picture_error(&picture, "no such asset".into(), "its bytes among the assets"));
             }
         }
         recipe.assets = assets;
@@ -193,6 +207,27 @@ impl Recipe {
     fn heightmaps(&self) -> Vec<Heightmap> {
         let maps = self.layers.iter().filter_map(|l| if let Layer::Heightmap(m) = l { Some(m.clone()) } else { None });
         maps.collect()
+    }
+
+    fn pictures(&self) -> Vec<PictureFile> {
+        let file = |layer: &Layer| match layer {
+            Layer::Imagery(imagery) => Some(imagery.file.clone()),
+            Layer::Seabed(seabed) => Some(seabed.file.clone()),
+            _ => None,
+        };
+        self.layers.iter().filter_map(file).collect()
+    }
+
+    /// An error about a picture, at the line of its `file` key.
+    pub(crate) fn picture_error(&self, picture: &PictureFile, found: String, expected: &str) -> RecipeError {
+        RecipeError::Picture {
+            file: self.file.as_str().into(),
+            line: picture.origin.0,
+            path: picture.origin.1.as_str().into(),
+            image: picture.name.as_str().into(),
+            found: found.into(),
+            expected: expected.into(),
+        }
     }
 
     /// An error about a heightmap's image, at the line of its `file` key.

@@ -6,7 +6,7 @@ use super::{Asset, Recipe, RecipeError};
 /// A recipe's name, its text, and the images that the text names.
 type Shipped = (&'static str, &'static str, &'static [(&'static str, &'static [u8])]);
 
-const SHIPPED: [Shipped; 5] = [
+const SHIPPED: [Shipped; 6] = [
     ("terra", include_str!("../../recipes/terra.toml"), &[]),
     ("luna", include_str!("../../recipes/luna.toml"), &[]),
     ("mars", include_str!("../../recipes/mars.toml"), &[]),
@@ -15,6 +15,14 @@ const SHIPPED: [Shipped; 5] = [
         "jacksboro",
         include_str!("../../recipes/jacksboro.toml"),
         &[("jacksboro_fault_dem.tif", include_bytes!("../../recipes/jacksboro_fault_dem.tif"))],
+    ),
+    (
+        "earth",
+        include_str!("../../recipes/earth.toml"),
+        &[
+            ("earth-topology.png", include_bytes!("../../recipes/earth-topology.png")),
+            ("earth-blue-marble.jpg", include_bytes!("../../recipes/earth-blue-marble.jpg")),
+        ],
     ),
 ];
 

@@ -2,10 +2,12 @@
 //! slope. Out: sRGB-encoded albedo. Deterministic like the heights: textures are part of a patch's bytes.
 
 use super::desert::Winds;
+use super::layer::Step;
 use super::living::Biomes;
 use super::noise::{mix, noise_at};
 use super::octaves::{any_above_zero, Fractal, Ramp};
 use super::points::{axes, Lane, Points, LANES};
+use super::shores::above_sea;
 use super::{GroundPoint, Terrain};
 use crate::recipe::{Airless, Colour, Octaves, Palette};
 use terrane_heightfield::angles::sin_cos;
@@ -147,7 +149,7 @@ impl Terrain {
     pub(super) fn chunk_albedo(&self, points: &[GroundPoint], albedo: &mut [[u8; 3]]) {
         let p = self.points(points.len(), |i| points[i].direction);
         let tints = &self.tints;
-        let site = self.site(points);
+        let site = self.site(points, &p);
         let mut colours = [[0.0; LANES]; 3];
         match &self.palette {
             Palette::Living(palette) => {
@@ -162,6 +164,7 @@ impl Terrain {
                 }
             }
         }
+        self.paint_imagery(&site, &p, &mut colours);
         let mut bytes = [[0; 3]; LANES];
         for k in 0..3 {
             for i in 0..LANES {
@@ -184,8 +187,25 @@ impl Terrain {
         }
     }
 
+    /// Puts pictures over the palette's colours, varied by what is finer than they are.
     #[inline(always)]
-    fn site(&self, points: &[GroundPoint]) -> Site {
+    fn paint_imagery(&self, site: &Site, p: &Points, colours: &mut ColourLanes) {
+        let mut pictures = self.steps.iter().filter_map(|s| if let Step::Imagery(i) = s { Some(i) } else { None }).peekable();
+        if pictures.peek().is_none() {
+            return;
+        }
+        let [thicket, tuft] = [&self.tints.thicket, &self.tints.tuft].map(|noise| noise.seen(p, &site.spacing));
+        let mut light = [1.0; LANES];
+        for i in 0..LANES {
+            light[i] += 0.07 * thicket[i] + 0.13 * tuft[i];
+        }
+        for picture in pictures {
+            picture.paint(p, site, &light, colours);
+        }
+    }
+
+    #[inline(always)]
+    fn site(&self, points: &[GroundPoint], p: &Points) -> Site {
         let sea = self.sea_level.unwrap_or(-1e9);
         let [sine, height, above, slope, poleward, spacing] = [[0.0; LANES]; 6];
         let mut site = Site { sine, height, above, slope, poleward, spacing };
@@ -196,6 +216,11 @@ impl Terrain {
             site.slope[i] = point.slope as f32;
             site.poleward[i] = (if point.direction.z < 0.0 { -point.north } else { point.north }) as f32;
             site.spacing[i] = point.spacing as f32;
+        }
+        if let Some(kept) = self.kept_dry(p).filter(|_| self.sea_level.is_some()) {
+            for i in 0..LANES {
+                site.above[i] = above_sea(f64::from(site.above[i]), kept[i]) as f32;
+            }
         }
         site
     }

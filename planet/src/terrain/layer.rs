@@ -8,6 +8,8 @@ use crate::recipe::{layer_kinds, Layer, Recipe, RecipeError};
 pub(super) struct Past {
     /// Base elevation in metres.
     pub(super) base: Lane,
+    /// Local relief of heightmaps in metres: the standard deviation of their samples around.
+    pub(super) relief: Lane,
     /// How much of the ground is younger than most craters, 0 to 1.
     pub(super) renewed: Lane,
     /// Metres of all rifts so far: where two meet the deeper one counts.
@@ -18,7 +20,7 @@ impl Past {
     /// Nothing yet but a base elevation.
     #[inline(always)]
     pub(super) fn over(base: Lane) -> Self {
-        Self { base, renewed: [0.0; LANES], rifts: [0.0; LANES] }
+        Self { base, relief: [0.0; LANES], renewed: [0.0; LANES], rifts: [0.0; LANES] }
     }
 
     /// What one more rift adds.
@@ -68,6 +70,18 @@ pub(super) trait Evaluate: Sized {
         }
     }
 
+    /// How firmly the layer keeps the sea out of each point, 0 to 1, with the border at a half.
+    #[inline(always)]
+    fn dry(&self, _: &Points) -> Option<Lane> {
+        None
+    }
+
+    /// A height in metres that no ground lies below out of which the layer keeps the sea, before other layers dig there; nothing where
+    /// it keeps the sea out of none.
+    fn lowest_dry(&self) -> Option<f64> {
+        None
+    }
+
     /// Least and most that the layer adds to ground no lower than `low`.
     fn range(&self, low: f64) -> (f64, f64);
 
@@ -98,6 +112,29 @@ macro_rules! steps {
             pub(super) fn compose(&self, p: &Points, past: &mut Past, height: Option<&mut WideLane>) {
                 match self {
                     $(Self::$kind(layer) => layer.compose(p, past, height),)*
+                }
+            }
+
+            /// See [`Evaluate::dry`].
+            #[inline(always)]
+            pub(super) fn dry(&self, p: &Points) -> Option<Lane> {
+                match self {
+                    $(Self::$kind(layer) => layer.dry(p),)*
+                }
+            }
+
+            /// See [`Evaluate::lowest_dry`].
+            pub(super) fn lowest_dry(&self) -> Option<f64> {
+                match self {
+                    $(Self::$kind(layer) => layer.lowest_dry(),)*
+                }
+            }
+
+            /// Metres, not above 0, by which the layer may lower ground that is not of its own making.
+            pub(super) fn digs(&self) -> f64 {
+                match self {
+                    $(Self::$kind(layer) if !layer.is_base() => layer.range(0.0).0.min(0.0),)*
+                    _ => 0.0,
                 }
             }
 

@@ -13,10 +13,13 @@ mod caps;
 mod climate;
 mod craters;
 mod desert;
+mod dry;
 mod dunes;
 pub(crate) mod edits;
 mod eroded;
+mod grid;
 mod heightmap;
+mod imagery;
 mod lava;
 mod layer;
 mod living;
@@ -28,7 +31,9 @@ mod profile;
 mod regions;
 mod relief;
 mod rift;
+mod seabed;
 mod shield;
+mod shores;
 
 pub use crate::ground::GroundPoint;
 use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
@@ -56,6 +61,7 @@ pub struct Terrain {
     edits: Edits,
     layers_range: (f64, f64),
     edits_range: Vec<(f64, f64)>,
+    lowest_dry: Option<f64>,
     palette: Palette,
     tints: albedo::Tints,
 }
@@ -85,11 +91,13 @@ impl Terrain {
             edits: Edits::new(&recipe.edits, recipe.radius),
             layers_range: (0.0, 0.0),
             edits_range: Vec::new(),
+            lowest_dry: None,
             palette: recipe.palette.clone(),
             tints: albedo::Tints::new(mix(recipe.seed ^ 0xa1be), &recipe.palette),
         };
         terrain.layers_range = terrain.bound();
         terrain.edits_range = terrain.edits.bounds(terrain.layers_range);
+        terrain.lowest_dry = terrain.find_lowest_dry();
         Ok(terrain)
     }
 

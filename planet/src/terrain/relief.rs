@@ -88,6 +88,8 @@ pub(crate) struct Mountains {
     /// How high each stretch of a range stands; breaks closed lines into separate ranges.
     vigour: Fractal,
     above: Ramp,
+    /// Local relief over which they grow, in place of ranges.
+    relief: Option<Ramp>,
     range_width: f32,
     amplitude_m: f64,
 }
@@ -102,6 +104,7 @@ impl Evaluate for Mountains {
             ranges: Fractal::few(mix(seed ^ 2), recipe.range_m, 5),
             vigour: Fractal::few(mix(seed ^ 3), recipe.range_m * 0.6, 2),
             above: Ramp::new(recipe.above_m),
+            relief: recipe.relief_m.map(Ramp::new),
             range_width: recipe.range_width as f32,
             amplitude_m: recipe.amplitude_m,
         })
@@ -109,7 +112,7 @@ impl Evaluate for Mountains {
 
     #[inline(always)]
     fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
-        let mask = self.mask(p, &past.base)?;
+        let mask = self.mask(p, past)?;
         let mut room = None;
         let p = Warp::moved(self.warp.as_ref(), p, &mut room);
         let ridges_m = (1.0 - UPLIFT) * self.amplitude_m as f32 / self.eroded.highest();
@@ -132,11 +135,14 @@ impl Evaluate for Mountains {
 impl Mountains {
     /// How much of a range stands where, 0 to 1; nothing where that is 0 throughout.
     #[inline(always)]
-    fn mask(&self, p: &Points, base: &Lane) -> Option<Lane> {
+    fn mask(&self, p: &Points, past: &Past) -> Option<Lane> {
         const FLANK: Ramp = Ramp::new([0.0, 0.8]);
-        let mut mask = self.above.lanes(base);
+        let mut mask = self.above.lanes(&past.base);
         if !any_above_zero(&mask) {
             return None;
+        }
+        if let Some(relief) = self.relief {
+            return scaled(mask, relief, past);
         }
         let (ranges, vigour) = (self.ranges.brownian(p), self.vigour.brownian(p));
         for i in 0..LANES {
@@ -148,6 +154,15 @@ impl Mountains {
     }
 }
 
+/// A mask times a ramp of the local relief; nothing where that is 0 throughout.
+#[inline(always)]
+fn scaled(mut mask: Lane, relief: Ramp, past: &Past) -> Option<Lane> {
+    for i in 0..LANES {
+        mask[i] *= relief.at(past.relief[i]);
+    }
+    any_above_zero(&mask).then_some(mask)
+}
+
 /// Share of a range's height that is a smooth swell under the ridges.
 const UPLIFT: f32 = 0.15;
 
@@ -155,6 +170,8 @@ const UPLIFT: f32 = 0.15;
 pub(crate) struct Hills {
     fractal: Fractal,
     regions: Regions,
+    /// Local relief over which they grow.
+    relief: Option<Ramp>,
     roundness: f32,
     amplitude_m: f64,
 }
@@ -166,6 +183,7 @@ impl Evaluate for Hills {
         Ok(Self {
             fractal: Fractal::new(seed, &recipe.octaves),
             regions: Regions::new(mix(seed ^ 1), &recipe.regions),
+            relief: recipe.relief_m.map(Ramp::new),
             roundness: recipe.roundness as f32,
             amplitude_m: recipe.amplitude_m,
         })
@@ -173,7 +191,10 @@ impl Evaluate for Hills {
 
     #[inline(always)]
     fn metres(&self, p: &Points, past: &mut Past) -> Option<Lane> {
-        let mask = self.regions.mask(p, &past.base)?;
+        let mut mask = self.regions.mask(p, &past.base)?;
+        if let Some(relief) = self.relief {
+            mask = scaled(mask, relief, past)?;
+        }
         let round = self.roundness;
         let plain = 1.0 - round.abs();
         let mut own = self.fractal.sum(p, |n| n * plain + (n.abs() * 2.0 - 0.5).min(1.0) * round);

@@ -19,7 +19,7 @@ use terrane_planet::store::{is_planet_file, PlanetFile};
 /// Build the patches of a recipe into a planet file; go on where an earlier bake stopped.
 #[derive(clap::Args)]
 pub(crate) struct Bake {
-    /// Recipe of the planet: a TOML file, or `terra`, `luna`, `mars`, `jacksboro` or `tiny`, which come with the command; or a planet
+    /// Recipe of the planet: a TOML file, or `terra`, `luna`, `mars`, `earth`, `jacksboro` or `tiny`, which come with the command; or a planet
     /// file, to bake more of its planet with all edits.
     recipe: PathBuf,
     /// Planet file to make or to go on with.

@@ -18,6 +18,7 @@ mod hgt;
 mod join;
 mod metadata;
 mod options;
+pub mod photo;
 mod place;
 mod png;
 mod raw;

@@ -194,16 +194,16 @@ fn no_data(source: &Source, file: &mut Tiff) -> Result<Option<f64>, ImportError>
 }
 
 /// Turns rows north and columns east.
-pub(super) fn turn(heights: &mut [f32], columns: usize, turned: Turned) {
+pub(super) fn turn<T>(samples: &mut [T], columns: usize, turned: Turned) {
     if turned.rows {
-        let rows = heights.len() / columns;
+        let rows = samples.len() / columns;
         for row in 0..rows / 2 {
-            let (above, below) = heights.split_at_mut((rows - 1 - row) * columns);
+            let (above, below) = samples.split_at_mut((rows - 1 - row) * columns);
             above[row * columns..][..columns].swap_with_slice(&mut below[..columns]);
         }
     }
     if turned.columns {
-        heights.chunks_exact_mut(columns).for_each(<[f32]>::reverse);
+        samples.chunks_exact_mut(columns).for_each(<[T]>::reverse);
     }
 }
 

@@ -57,6 +57,8 @@ pub struct Heightmap {
     pub heights: HeightScale,
     /// Where it lies.
     pub placement: Placement,
+    /// Whether samples may move by up to half a level, so that gentle ground shows no steps (default false).
+    pub smooth_steps: bool,
     /// Line and path of the `file` key, for messages.
     pub(crate) origin: (usize, String),
 }
@@ -67,7 +69,14 @@ impl ReadLayer for Heightmap {
         let files = reader.strings("file", expected)?;
         let origin = (reader.line_of("file"), reader.path_of("file"));
         let reading = reading(reader)?;
-        Ok(Self { files, reading, heights: HeightScale::read(reader)?, placement: Placement::read(reader, radius)?, origin })
+        Ok(Self {
+            files,
+            reading,
+            heights: HeightScale::read(reader)?,
+            placement: Placement::read(reader, radius)?,
+            smooth_steps: reader.flag("smooth_steps")?,
+            origin,
+        })
     }
 }
 
@@ -115,7 +124,7 @@ impl HeightScale {
 }
 
 impl Placement {
-    fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
+    pub(super) fn read(reader: &Reader<'_>, radius: f64) -> Result<Self, RecipeError> {
         let blend_m = |most: f64| reader.has("blend_m").then(|| reader.number("blend_m", 0.0..=most)).transpose();
         if reader.has("placement") {
             let expected = "\"file\"; without this key a map covers the planet, or lies at `latitude_deg` and `longitude_deg`";

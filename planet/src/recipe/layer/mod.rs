@@ -6,21 +6,27 @@
 mod canyons;
 mod caps;
 mod craters;
+mod dry;
 mod dunes;
 mod heightmap;
+mod imagery;
 mod lava;
 mod relief;
 mod rift;
+mod seabed;
 mod shield;
 
 pub use canyons::Canyons;
 pub use caps::Caps;
 pub use craters::Craters;
+pub use dry::Dry;
 pub use dunes::Dunes;
 pub use heightmap::{HeightScale, Heightmap, Placement};
+pub use imagery::{Imagery, PictureFile};
 pub use lava::Lava;
 pub use relief::{Continents, Hills, Mountains, Plains};
 pub use rift::Rift;
+pub use seabed::Seabed;
 pub use shield::Shield;
 
 use super::error::RecipeError;
@@ -56,6 +62,12 @@ macro_rules! layer_kinds {
             Rift = "rift" in rift;
             /// A heightfield file.
             Heightmap = "heightmap" in heightmap;
+            /// A picture of the ground.
+            Imagery = "imagery" in imagery;
+            /// Coasts and a sea floor from a picture.
+            Seabed = "seabed" in seabed;
+            /// An area without sea.
+            Dry = "dry" in dry;
         }
     };
 }

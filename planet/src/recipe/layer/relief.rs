@@ -4,6 +4,7 @@
 use super::{read_above, Octaves, ReadLayer, Regions, METRES, WAVELENGTH};
 use crate::recipe::error::RecipeError;
 use crate::recipe::reader::Reader;
+use std::ops::RangeInclusive;
 
 /// Oceans and continents: low noise through a profile of elevations.
 #[derive(Clone, Debug)]
@@ -35,6 +36,8 @@ pub struct Mountains {
     pub range_width: f64,
     /// Where ranges fade in, in metres of base elevation.
     pub above_m: [f64; 2],
+    /// Local relief of heightmaps over which the mountains grow, in metres; in place of ranges.
+    pub relief_m: Option<[f64; 2]>,
 }
 
 /// Rolling hills, or (with `roundness`) mounds with gullies between them, in part of the planet.
@@ -48,6 +51,8 @@ pub struct Hills {
     pub roundness: f64,
     /// Where there are hills.
     pub regions: Regions,
+    /// Local relief of heightmaps over which the hills grow, in metres.
+    pub relief_m: Option<[f64; 2]>,
 }
 
 /// Gentle relief everywhere.
@@ -71,15 +76,27 @@ impl ReadLayer for Continents {
     }
 }
 
+/// Everywhere, where the key is missing.
+fn read_relief(reader: &Reader<'_>) -> Result<Option<[f64; 2]>, RecipeError> {
+    reader.has("relief_m").then(|| reader.span("relief_m", METRES)).transpose()
+}
+
 impl ReadLayer for Mountains {
     fn read(reader: &Reader<'_>, _: f64) -> Result<Self, RecipeError> {
+        let relief_m = read_relief(reader)?;
+        // Mountains that follow the relief are in no ranges of their own.
+        let of_range = |key: &'static str, range: RangeInclusive<f64>| match relief_m {
+            Some(_) => Ok(1.0),
+            None => reader.number(key, range),
+        };
         Ok(Self {
             octaves: Octaves::read(reader)?,
             amplitude_m: reader.number("amplitude_m", METRES)?,
             warp_m: reader.number_or("warp_m", 0.0..=1e6, 0.0)?,
-            range_m: reader.number("range_m", WAVELENGTH)?,
-            range_width: reader.number("range_width", 0.01..=2.0)?,
+            range_m: of_range("range_m", WAVELENGTH)?,
+            range_width: of_range("range_width", 0.01..=2.0)?,
             above_m: read_above(reader)?,
+            relief_m,
         })
     }
 }
@@ -91,6 +108,7 @@ impl ReadLayer for Hills {
             amplitude_m: reader.number("amplitude_m", METRES)?,
             roundness: reader.number_or("roundness", -1.0..=1.0, 0.0)?,
             regions: Regions::read(reader)?,
+            relief_m: read_relief(reader)?,
         })
     }
 }

@@ -22,14 +22,14 @@ const FARTHEST_LATITUDE_DEG: f64 = 85.0;
 const REACH_ROOM_DEG: f64 = 1e-6;
 
 /// A position on a map.
-pub(super) struct Spot {
-    pub(super) column: f64,
-    pub(super) row: f64,
-    pub(super) weight: f64,
+pub(in crate::terrain) struct Spot {
+    pub(in crate::terrain) column: f64,
+    pub(in crate::terrain) row: f64,
+    pub(in crate::terrain) weight: f64,
 }
 
 /// Where a map lies.
-pub(super) enum Footprint {
+pub(in crate::terrain) enum Footprint {
     Planet(Globe),
     Rectangle(Rectangle),
     Grid(Grid),
@@ -39,7 +39,7 @@ pub(super) enum Footprint {
 pub(super) type Fault = (String, String);
 
 impl Footprint {
-    pub(super) fn new(image: &Imported, placement: &Placement, radius: f64) -> Result<Footprint, Fault> {
+    pub(in crate::terrain) fn new(image: &Imported, placement: &Placement, radius: f64) -> Result<Footprint, Fault> {
         match *placement {
             Placement::Planet => Globe::new(image).map(Footprint::Planet),
             Placement::File { blend_m } if image.grid.is_none() && image.georeference.is_some() => {
@@ -54,12 +54,21 @@ impl Footprint {
     }
 
     /// Whether the last column's neighbour is the first.
-    pub(super) fn wraps(&self) -> bool {
+    pub(in crate::terrain) fn wraps(&self) -> bool {
         matches!(self, Footprint::Planet(_))
     }
 
+    /// Metres on the planet between neighbouring rows, where the map says or the recipe; nothing for a map of the whole planet.
+    pub(in crate::terrain) fn row_pitch_m(&self) -> Option<f64> {
+        match self {
+            Footprint::Planet(_) => None,
+            Footprint::Rectangle(rectangle) => Some(2.0 * rectangle.half_m[1] / rectangle.size[1]),
+            Footprint::Grid(grid) => Some(grid.spacing_m[1]),
+        }
+    }
+
     /// The position on the map, if the direction falls on it.
-    pub(super) fn locate(&self, d: [f64; 3]) -> Option<Spot> {
+    pub(in crate::terrain) fn locate(&self, d: [f64; 3]) -> Option<Spot> {
         match self {
             Footprint::Planet(globe) => Some(globe.locate(d)),
             Footprint::Rectangle(rectangle) => rectangle.locate(d),
@@ -84,7 +93,7 @@ pub(super) fn frame(latitude_deg: f64, longitude_deg: f64, heading_deg: f64) -> 
 }
 
 /// A rectangle in the gnomonic plane about its centre.
-pub(super) struct Rectangle {
+pub(in crate::terrain) struct Rectangle {
     frame: [[f64; 3]; 3],
     size: [f64; 2],
     half_m: [f64; 2],
@@ -165,7 +174,7 @@ fn blend_width(wanted: Option<f64>, default: f64, most: f64) -> Result<f64, Faul
 }
 
 /// Samples along parallels and meridians, where the file says.
-pub(super) struct Grid {
+pub(in crate::terrain) struct Grid {
     centre: [f64; 3],
     /// Cosine of the angle from the centre within which all of it lies: a cheap first test.
     cos_reach: f64,

@@ -11,7 +11,7 @@ const OFF: f64 = 1e-3;
 const OFF_SAMPLES: f64 = 0.05;
 
 /// A map of all longitudes and latitudes.
-pub(super) struct Globe {
+pub(in crate::terrain) struct Globe {
     /// Columns and rows that a turn and a half turn have.
     columns: f64,
     rows: f64,

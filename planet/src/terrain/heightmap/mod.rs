@@ -3,11 +3,15 @@
 //!
 //! Between samples: Catmull-Rom (1974), clamped to the range of heights.
 
+mod basins;
 mod cover;
-mod footprint;
+pub(super) mod footprint;
 mod globe;
 mod projected;
+mod rugged;
+mod steps;
 
+use super::grid::Grid;
 use super::layer::{Evaluate, Past};
 use super::points::{Lane, Points, WideLane, LANES};
 use crate::recipe::{self, HeightScale, Recipe, RecipeError};
@@ -18,7 +22,7 @@ use terrane_heightfield::import::{ImportError, Imported, Values};
 use terrane_heightfield::Heightfield;
 
 /// 0 below `edges[0]`, 1 above `edges[1]`, smooth in between.
-fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
+pub(super) fn smoothstep(edges: [f64; 2], v: f64) -> f64 {
     let t = ((v - edges[0]) / (edges[1] - edges[0])).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
@@ -37,6 +41,12 @@ pub(crate) struct Heightmap {
     footprint: Footprint,
     /// Value and weight that the poles take on a map of the whole planet: means of the first and of the last row.
     poles: [(f64, f64); 2],
+    /// Local relief in metres, where other layers ask for it.
+    relief: Option<Grid>,
+    /// How firmly the sea is kept out, if it is anywhere.
+    dry: Option<Grid>,
+    /// The sea's level, where there is one.
+    sea_m: Option<f64>,
     /// The planet's, in metres.
     radius: f64,
 }
@@ -77,6 +87,11 @@ impl Scale {
         } else {
             Err((format!("heights from {low} to {high} m"), "heights from -100000 to 100000 m; `scale` can shrink them"))
         }
+    }
+
+    /// Metres of one level.
+    fn per_level_m(&self) -> f64 {
+        self.span_m / self.full
     }
 
     fn range(&self) -> (f64, f64) {
@@ -130,9 +145,19 @@ impl Evaluate for Heightmap {
         let cover = Cover::new(&field);
         let (columns, rows) = (field.columns(), field.rows());
         field.fill_gaps();
+        let mut samples = field.into_heights();
+        if map.smooth_steps {
+            steps::smooth(&mut samples, [columns, rows], footprint.wraps());
+        }
         let (poles, radius) = ([(0.0, 1.0); 2], recipe.radius);
-        let mut map = Self { columns, rows, samples: field.into_heights(), cover, scale, footprint, poles, radius };
+        let sea_m = recipe.sea.as_ref().map(|sea| sea.level_m);
+        let mut map = Self { columns, rows, samples, cover, scale, footprint, poles, relief: None, dry: None, sea_m, radius };
         map.poles = [0, rows - 1].map(|row| map.row_mean(row));
+        if rugged::is_asked_for(recipe) {
+            map.relief =
+                Some(map.grid(rugged::relief(&map.samples, [columns, rows], map.footprint.wraps(), map.scale.per_level_m())));
+        }
+        map.dry = sea_m.and_then(|sea_m| map.basins(sea_m)).map(|dry| map.grid(dry));
         Ok(map)
     }
 
@@ -153,9 +178,25 @@ impl Evaluate for Heightmap {
         for (base, (metres, weight)) in past.base.iter_mut().zip(found) {
             *base += ((metres - f64::from(*base)) * weight) as f32;
         }
+        if let Some(relief) = &self.relief {
+            let own = self.on_grid(relief, p);
+            for (relief, ((_, weight), own)) in past.relief.iter_mut().zip(found.into_iter().zip(own)) {
+                *relief += (own - *relief) * weight as f32;
+            }
+        }
         for (height, (metres, weight)) in height.into_iter().flatten().zip(found) {
             *height += (metres - *height) * weight;
         }
+    }
+
+    #[inline(always)]
+    fn dry(&self, p: &Points) -> Option<Lane> {
+        self.dry.as_ref().map(|dry| self.on_grid(dry, p))
+    }
+
+    /// A little below the deepest basin: between samples the ground may be lower.
+    fn lowest_dry(&self) -> Option<f64> {
+        self.dry.as_ref().and(self.sea_m).map(|level| level - 1.2 * basins::DEEPEST_M)
     }
 
     fn range(&self, _: f64) -> (f64, f64) {
@@ -169,6 +210,29 @@ impl Evaluate for Heightmap {
 }
 
 impl Heightmap {
+    fn grid(&self, values: Vec<f32>) -> Grid {
+        Grid { size: [self.columns, self.rows], values, wraps: self.footprint.wraps() }
+    }
+
+    /// A grid's number at each point, 0 outside the map.
+    fn on_grid(&self, grid: &Grid, p: &Points) -> Lane {
+        let mut own = [0.0; LANES];
+        for (i, own) in own.iter_mut().enumerate() {
+            let spot = self.footprint.locate([0, 1, 2].map(|k| p.position[k][i] / self.radius));
+            *own = spot.map_or(0.0, |spot| grid.at(spot.column, spot.row));
+        }
+        own
+    }
+
+    /// See [`basins::dry`].
+    fn basins(&self, sea_m: f64) -> Option<Vec<f32>> {
+        let [low, high] = self.scale.limits;
+        let depth =
+            |&s: &f32| (sea_m - self.scale.low_m - self.scale.span_m * (f64::from(s) / self.scale.full).clamp(low, high)) as f32;
+        let depths: Vec<f32> = self.samples.iter().map(depth).collect();
+        basins::dry(&depths, [self.columns, self.rows], self.footprint.wraps())
+    }
+
     /// Height in metres and weight (0 to 1) at a unit direction.
     pub(crate) fn at(&self, d: [f64; 3]) -> (f64, f64) {
         let Some(spot) = self.footprint.locate(d) else { return (0.0, 0.0) };
