@@ -87,7 +87,7 @@ mod tests {
 
     /// Hills with two holes, one of which reaches the edge.
     fn holed() -> Heightfield {
-        let gap = |c: usize, r: usize| (c >= 8 && c < 15 && r >= 6 && r < 10 + c % 3) || (c > 30 && r > 20 + c % 2);
+        let gap = |c: usize, r: usize| ((8..15).contains(&c) && (6..10 + c % 3).contains(&r)) || (c > 30 && r > 20 + c % 2);
         let height = |k: usize| {
             let (c, r) = (k % 37, k / 37);
             if gap(c, r) {
