@@ -11,6 +11,7 @@ mod gallery;
 mod gpu;
 mod look;
 mod mesh_and_bench;
+mod output;
 mod record;
 mod simplify;
 mod study;

@@ -73,8 +73,8 @@ fn failed_meshes_leave_nothing_behind() {
     std::fs::create_dir(folder.path().join("folder.obj")).unwrap();
     let cases = [
         ("a.stl", "-20", "expected .glb, .obj or .ply"),
-        ("no/such/a.obj", "-20", "cannot write the mesh no/such/a.obj"),
-        ("folder.obj", "-20", "cannot write the mesh folder.obj"),
+        ("no/such/a.obj", "-20", "cannot write no/such/a.obj"),
+        ("folder.obj", "-20", "cannot write folder.obj"),
         ("a.obj", "60", "draws no triangle"),
     ];
     for (out, pitch, message) in cases {

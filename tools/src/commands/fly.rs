@@ -1,6 +1,7 @@
 //! `terrane fly`: the planet in a window.
 
 use super::drawing::DrawOptions;
+use super::output::{check_output, Output};
 use super::viewing::{report_messages, CameraOptions, Exposure};
 use super::{pictures, Run};
 use crate::Outcome;
@@ -26,6 +27,7 @@ pub(crate) struct Fly {
 
 impl Run for Fly {
     fn run(self) -> anyhow::Result<Outcome> {
+        check_output("--screenshots", &self.screenshots, Output::Folder)?;
         let planet = Planet::from_header(PlanetFile::open(&self.file)?.header())?;
         let camera = self.camera.camera(&planet)?;
         let folder = self.screenshots;

@@ -1,5 +1,6 @@
 //! `terrane mesh`: the triangles of a view, for other programs.
 
+use super::output::{check_output, Output};
 use super::viewing::CameraOptions;
 use super::{pictures, Run};
 use crate::Outcome;
@@ -49,6 +50,7 @@ pub(crate) struct Mesh {
 impl Run for Mesh {
     fn run(self) -> anyhow::Result<Outcome> {
         let format = Format::of(&self.out)?;
+        check_output("--out", &self.out, Output::File(&[]))?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
         let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));

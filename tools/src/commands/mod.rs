@@ -14,6 +14,7 @@ mod gpus;
 mod growth;
 mod info;
 mod mesh;
+mod output;
 mod paths;
 mod pictures;
 mod radiance;

@@ -1,5 +1,6 @@
 //! `terrane simplify`: a heightfield file as meshes of so many triangles, or of so small an error.
 
+use super::output::{check_output, Output};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, ensure, Context as _};
@@ -77,6 +78,9 @@ impl Run for Simplify {
     fn run(self) -> anyhow::Result<Outcome> {
         let format = Format::of(&self.out)?;
         let goals = self.goals()?;
+        for &goal in &goals {
+            check_output("--out", &self.path(goal, goals.len() > 1), Output::File(&[]))?;
+        }
         let mut image = import::load(&self.file)?;
         let scale = self.scale(&image)?;
         let filled = image.field.fill_gaps();
