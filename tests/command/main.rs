@@ -8,6 +8,7 @@ mod common;
 mod bake;
 mod edit;
 mod gallery;
+mod gltf;
 mod gpu;
 mod look;
 mod mesh_and_bench;

@@ -7,6 +7,7 @@ mod building;
 mod compare;
 mod drawing;
 mod edit;
+mod exporting;
 mod film;
 mod fly;
 mod gallery;

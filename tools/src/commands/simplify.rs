@@ -1,5 +1,6 @@
 //! `terrane simplify`: a heightfield file as meshes of so many triangles, or of so small an error.
 
+use super::exporting::ExportOptions;
 use super::output::{check_output, Output};
 use super::{pictures, Run};
 use crate::Outcome;
@@ -8,7 +9,7 @@ use glam::DVec3;
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::json;
 use std::io::IsTerminal;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 use terrane_heightfield::classic::{Cost, Level, Levels};
 use terrane_heightfield::import;
@@ -32,8 +33,8 @@ enum CostOption {
 
 /// Turn a heightfield (PNG, TIFF or GeoTIFF, SRTM .hgt, Terragen .raw) into triangle meshes. Needs no GPU.
 ///
-/// Meshes hold metres: +X east, +Y north (the first row of the file is north), +Z up, from the south-west sample; GLB is turned to
-/// glTF's axes. Errors are vertical, in metres, and measured at every sample of the file. Samples without data are filled from
+/// Meshes hold metres: +X east, +Y north (the first row of the file is north), +Z up, from the south-west sample; OBJ and GLB are turned
+/// to Y up (see --up). Normals are those of the heights. Errors are vertical, in metres, and measured at every sample of the file. Samples without data are filled from
 /// their surroundings first. Several levels become several files: x.ply with --faces 1000,100 is written as x-1000.ply and
 /// x-100.ply, with --error 2,8 as x-e2.ply and x-e8.ply.
 #[derive(clap::Args)]
@@ -60,6 +61,8 @@ pub(crate) struct Simplify {
     /// Metres a unit of height in the file.
     #[arg(long, value_name = "M", default_value_t = 1.0)]
     height_scale: f64,
+    #[command(flatten)]
+    export: ExportOptions,
     #[arg(long, help = format!("File to write: {EXTENSIONS}"))]
     out: PathBuf,
     /// Print one JSON object.
@@ -77,6 +80,7 @@ enum Goal {
 impl Run for Simplify {
     fn run(self) -> anyhow::Result<Outcome> {
         let format = Format::of(&self.out)?;
+        self.export.check(format)?;
         let goals = self.goals()?;
         for &goal in &goals {
             check_output("--out", &self.path(goal, goals.len() > 1), Output::File(&[]))?;
@@ -98,7 +102,11 @@ impl Run for Simplify {
         let seconds = begun.elapsed().as_secs_f64();
         let mut rows = Vec::new();
         for &goal in &goals {
-            rows.push(self.write_level(&mut levels, goal, goals.len() > 1, format, scale)?);
+            let level = match goal {
+                Goal::Faces(faces) => levels.of_faces(faces),
+                Goal::Error(metres) => levels.of_error(metres / scale.z),
+            };
+            rows.push(self.write_level(&level, &image.field, &self.path(goal, goals.len() > 1), scale)?);
         }
         if self.json {
             println!("{}", self.summary(&image, scale, filled, seconds, rows));
@@ -172,22 +180,18 @@ impl Simplify {
         }
     }
 
-    fn write_level(
-        &self,
-        levels: &mut Levels,
-        goal: Goal,
-        several: bool,
-        format: Format,
-        scale: DVec3,
-    ) -> anyhow::Result<serde_json::Value> {
+    fn write_level(&self, level: &Level, field: &Heightfield, path: &Path, scale: DVec3) -> anyhow::Result<serde_json::Value> {
         let begun = Instant::now();
-        let Level { surface, deviation } = match goal {
-            Goal::Faces(faces) => levels.of_faces(faces),
-            Goal::Error(metres) => levels.of_error(metres / scale.z),
+        let Level { surface, deviation } = level;
+        let format = Format::of(path)?;
+        let model = Model::of_heightfield(surface, field, scale);
+        let model = match self.export.solid {
+            Some(below) => model.solid(below),
+            None => model,
         };
-        let path = self.path(goal, several);
-        let bytes = Model::of_heightfield(&surface, scale).encode(format)?;
-        pictures::write_whole(&path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
+        let (volume, written) = (self.export.solid.map(|_| model.volume()), model.triangle_count());
+        let bytes = self.export.encode(model, format)?;
+        pictures::write_whole(path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
         let (faces, vertices) = (surface.faces.len(), surface.positions.len());
         let (max, rms) = (deviation.max * scale.z, deviation.rms * scale.z);
         let seconds = begun.elapsed().as_secs_f64();
@@ -201,6 +205,7 @@ impl Simplify {
         Ok(json!({
             "faces": faces, "vertices": vertices, "max_error": max, "rms_error": rms, "uncovered": deviation.uncovered,
             "seconds": seconds, "file": path, "bytes": bytes.len(),
+            "up": self.export.up_name(format)?, "volume_m3": volume, "triangles_in_file": written,
         }))
     }
 
