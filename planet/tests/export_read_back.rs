@@ -29,6 +29,8 @@ struct Found {
     triangles: Vec<[u32; 3]>,
 }
 
+type Reader = fn(&[u8]) -> Found;
+
 fn read_obj(bytes: &[u8]) -> Found {
     let options = tobj::LoadOptions { single_index: true, ..Default::default() };
     let (models, _) = tobj::load_obj_buf(&mut Cursor::new(bytes), &options, |_| Err(tobj::LoadError::OpenFileFailed)).unwrap();
@@ -112,7 +114,7 @@ fn turned(v: DVec3, up: Up) -> DVec3 {
 #[test]
 fn surfaces_come_back_upright_with_the_normals_of_the_heights() {
     let (field, surface) = hills();
-    let readers: [(Format, fn(&[u8]) -> Found); 2] = [(Format::Obj, read_obj), (Format::Ply, read_ply)];
+    let readers: [(Format, Reader); 2] = [(Format::Obj, read_obj), (Format::Ply, read_ply)];
     for ((format, reader), up) in readers.into_iter().flat_map(|r| [(r, Up::Y), (r, Up::Z)]) {
         let bytes = Model::of_heightfield(&surface, &field, SCALE).encode(format, up).unwrap();
         let header = String::from_utf8_lossy(&bytes[..bytes.len().min(300)]).into_owned();
@@ -155,7 +157,7 @@ fn solids_come_back_closed_with_the_volume_of_the_heights() {
         (b - a).truncate().perp_dot((c - a).truncate()) / 2.0 * ((a.z + b.z + c.z) / 3.0 - lowest + 7.0)
     };
     let wanted: f64 = surface.faces.iter().map(prism).sum();
-    let readers: [(Format, fn(&[u8]) -> Found); 4] =
+    let readers: [(Format, Reader); 4] =
         [(Format::Obj, read_obj), (Format::Ply, read_ply), (Format::Stl, read_stl), (Format::ThreeMf, read_3mf)];
     for ((format, reader), up) in readers.into_iter().flat_map(|r| [(r, Up::Y), (r, Up::Z)]) {
         let solid = Model::of_heightfield(&surface, &field, SCALE).solid(7.0);

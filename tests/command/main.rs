@@ -13,6 +13,7 @@ mod gpu;
 mod look;
 mod mesh_and_bench;
 mod output;
+mod raster;
 mod record;
 mod simplify;
 mod study;

@@ -15,6 +15,7 @@ mod normals;
 pub mod obj;
 mod placed;
 pub mod ply;
+pub mod raster;
 mod solid;
 pub mod stl;
 mod surface;

@@ -2,7 +2,7 @@
 //! mesh is lit like the ground that it stands for.
 
 use super::Welded;
-use crate::ground::Ground;
+use crate::ground::{Ground, NormalSite};
 use glam::DVec3;
 use rayon::prelude::*;
 use terrane_heightfield::{Heightfield, TriangleSurface};
@@ -36,42 +36,11 @@ pub(super) fn of_planet(surface: &Welded, ground: &Ground) -> Vec<DVec3> {
     let chunk = |(positions, levels): (&[glam::IVec3], &[u8])| {
         let sites = positions.iter().zip(levels).map(|(p, &level)| {
             let spacing = ground.lattice.sample_spacing(ground.cells, level) * ground.lattice.unit;
-            Site { up: p.as_dvec3().normalize_or_zero(), spacing }
+            NormalSite { up: p.as_dvec3().normalize_or_zero(), spacing }
         });
-        of_sites(&sites.collect::<Vec<_>>(), ground)
+        ground.normals(&sites.collect::<Vec<_>>())
     };
     chunks.flat_map_iter(chunk).collect()
-}
-
-/// A place whose normal is asked for.
-pub(crate) struct Site {
-    /// Unit direction.
-    pub up: DVec3,
-    /// Metres to the points on each side between which the ground is taken to be straight.
-    pub spacing: f64,
-}
-
-/// Normals of the ground at places on a planet.
-pub(crate) fn of_sites(sites: &[Site], ground: &Ground) -> Vec<DVec3> {
-    let radius = ground.lattice.radius * ground.lattice.unit;
-    let around = |site: &Site| {
-        let (east, north) = site.up.any_orthonormal_pair();
-        let angle = site.spacing / radius;
-        [east, -east, north, -north].map(|side| (site.up + side * angle).normalize())
-    };
-    let directions: Vec<DVec3> = sites.iter().flat_map(around).collect();
-    let heights = ground.metres(&directions);
-    let points: Vec<DVec3> = directions.iter().zip(heights).map(|(&d, h)| d * (radius + h)).collect();
-    let normal = |(site, p): (&Site, &[DVec3])| {
-        let n = (p[0] - p[1]).cross(p[2] - p[3]).normalize_or(site.up);
-        // The pair of tangents may be left-handed.
-        if n.dot(site.up) < 0.0 {
-            -n
-        } else {
-            n
-        }
-    };
-    sites.iter().zip(points.chunks(4)).map(normal).collect()
 }
 
 #[cfg(test)]

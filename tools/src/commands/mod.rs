@@ -13,12 +13,14 @@ mod fly;
 mod gallery;
 mod gpus;
 mod growth;
+mod height;
 mod info;
 mod mesh;
 mod output;
 mod paths;
 mod pictures;
 mod radiance;
+mod raster;
 mod recipes;
 mod record;
 mod shot;
@@ -63,8 +65,10 @@ commands! {
     gallery => Gallery,
     gpus => Gpus,
     growth => Growth,
+    height => Height,
     info => Info,
     mesh => Mesh,
+    raster => Raster,
     record => Record,
     shot => Shot,
     simplify => Simplify,
