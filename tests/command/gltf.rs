@@ -58,6 +58,18 @@ fn the_validator_of_khronos_finds_nothing_in_any_glb() {
             assert_eq!(extensions, usize::from(kind.contains(&"--quantize")), "{info}");
         }
     }
+    // A picture, as it is: 64 x 64 greys.
+    let mut picture = png::Encoder::new(std::fs::File::create(folder.path().join("p.png")).unwrap(), 64, 64);
+    picture.set_color(png::ColorType::Rgb);
+    picture.write_header().unwrap().write_image_data(&[90; 3 * 64 * 64]).unwrap();
+    for kind in [&[][..], &["--quantize"]] {
+        let output = terrane(&[&simplify[..], kind, &["--texture", "p.png", "--out", "t.glb"]].concat(), folder.path());
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        let (found, info) = validate(&validator, &folder.path().join("t.glb"));
+        assert!(found.is_empty() && info["hasTextures"] == true && info["maxUVs"] == 1, "{found:?} {info}");
+        let (glb, png) = ["t.glb", "p.png"].map(|name| std::fs::read(folder.path().join(name)).unwrap()).into();
+        assert!(glb.windows(png.len()).any(|bytes| bytes == png), "the picture is not there as it is");
+    }
     // A coordinate that is no number makes it complain.
     let output = terrane(&[&mesh[..], &["--out", "x.glb"]].concat(), folder.path());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));

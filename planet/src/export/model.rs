@@ -16,20 +16,28 @@ pub struct Picture {
     pub bytes: Vec<u8>,
 }
 
+impl Picture {
+    /// The picture of a PNG or JPEG file; `None` for the bytes of any other.
+    pub fn of_file(bytes: Vec<u8>) -> Option<Picture> {
+        let mime = match bytes.as_slice() {
+            [0x89, b'P', b'N', b'G', ..] => "image/png",
+            [0xff, 0xd8, 0xff, ..] => "image/jpeg",
+            _ => return None,
+        };
+        Some(Picture { mime, bytes })
+    }
+}
+
 /// Triangles in metres and what a file says about them.
 pub struct Model<'a> {
     /// Metres from the origin.
     pub(super) positions: Vec<DVec3>,
     /// A unit vector a vertex, or none at all: flat triangles.
     pub(super) normals: Vec<DVec3>,
-    /// Unit vectors along which a normal map's red points, or none.
-    pub(super) tangents: Vec<DVec3>,
     /// Places in the pictures, from their upper left corner, or none.
     pub(super) uvs: Vec<[f32; 2]>,
     /// Colour of the ground.
     pub(super) albedo: Option<Picture>,
-    /// Normals against the vertices' normals and tangents.
-    pub(super) normal_map: Option<Picture>,
     /// Whether GLB files hold numbers of 16 bits.
     pub(super) quantized: bool,
     /// Corners, counter-clockwise from outside.
@@ -54,10 +62,8 @@ impl<'a> Model<'a> {
             positions: surface.positions.iter().map(|&p| p * scale).collect(),
             normals: normals::of_heightfield(surface, field, scale),
             triangles: Cow::Borrowed(&surface.faces),
-            tangents: Vec::new(),
             uvs: Vec::new(),
             albedo: None,
-            normal_map: None,
             quantized: false,
             axes: ["metres, +X east, +Y up, -Z north", "metres, +X east, +Y north, +Z up"],
             provenance: format!("origin at the south-west sample, samples {} m apart east and {} m north", scale.x, scale.y),
@@ -77,11 +83,20 @@ impl<'a> Model<'a> {
     pub(super) fn closed(mut self, down: &dyn Fn(DVec3) -> DVec3, floor: Floor) -> Model<'a> {
         solid::close(&mut self.positions, self.triangles.to_mut(), down, floor);
         self.normals.clear();
-        self.tangents.clear();
         self.uvs.clear();
-        (self.albedo, self.normal_map) = (None, None);
+        self.albedo = None;
         self.decimals = None;
         self.provenance.push_str(", closed by walls and a floor");
+        self
+    }
+
+    /// The same surface over a heightfield of so many columns and rows under a picture, the corners of which lie on its corner samples.
+    /// Only GLB files hold it.
+    pub fn with_picture(mut self, surface: &TriangleSurface, [columns, rows]: [usize; 2], picture: Picture) -> Model<'a> {
+        let last = [columns - 1, rows - 1].map(|count| count as f64);
+        let place = |p: &DVec3| [(p.x / last[0]) as f32, (1.0 - p.y / last[1]) as f32];
+        self.uvs = surface.positions.iter().map(place).collect();
+        self.albedo = Some(picture);
         self
     }
 

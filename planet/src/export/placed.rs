@@ -45,10 +45,8 @@ impl<'a> Placed<'a> {
             positions: self.surface.positions.iter().map(|&p| self.metres(p)).collect(),
             normals: Vec::new(),
             triangles: Cow::Borrowed(&self.surface.triangles),
-            tangents: Vec::new(),
             uvs: Vec::new(),
             albedo: None,
-            normal_map: None,
             quantized: false,
             axes: [
                 "planet-fixed metres, +Y north, +X longitude 0, -Z 90 degrees east",

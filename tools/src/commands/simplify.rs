@@ -15,7 +15,7 @@ use terrane_heightfield::classic::{Cost, Level, Levels};
 use terrane_heightfield::import;
 use terrane_heightfield::import::Imported;
 use terrane_heightfield::Heightfield;
-use terrane_planet::export::{Format, Model, EXTENSIONS};
+use terrane_planet::export::{Format, Model, Picture, EXTENSIONS};
 
 /// Metres between samples of a file that does not say.
 const DEFAULT_SPACING_M: f64 = 1.0;
@@ -63,6 +63,9 @@ pub(crate) struct Simplify {
     height_scale: f64,
     #[command(flatten)]
     export: ExportOptions,
+    /// Picture of the same ground, a PNG or JPEG with north up, to put into the GLB as it is; its corners lie on the corner samples.
+    #[arg(long, value_name = "x.png|x.jpg", conflicts_with = "solid")]
+    texture: Option<PathBuf>,
     #[arg(long, help = format!("File to write: {EXTENSIONS}"))]
     out: PathBuf,
     /// Print one JSON object.
@@ -81,6 +84,7 @@ impl Run for Simplify {
     fn run(self) -> anyhow::Result<Outcome> {
         let format = Format::of(&self.out)?;
         self.export.check(format)?;
+        let picture = self.picture(format)?;
         let goals = self.goals()?;
         for &goal in &goals {
             check_output("--out", &self.path(goal, goals.len() > 1), Output::File(&[]))?;
@@ -106,7 +110,7 @@ impl Run for Simplify {
                 Goal::Faces(faces) => levels.of_faces(faces),
                 Goal::Error(metres) => levels.of_error(metres / scale.z),
             };
-            rows.push(self.write_level(&level, &image.field, &self.path(goal, goals.len() > 1), scale)?);
+            rows.push(self.write_level(&level, &image.field, picture.clone(), &self.path(goal, goals.len() > 1), scale)?);
         }
         if self.json {
             println!("{}", self.summary(&image, scale, filled, seconds, rows));
@@ -180,13 +184,33 @@ impl Simplify {
         }
     }
 
-    fn write_level(&self, level: &Level, field: &Heightfield, path: &Path, scale: DVec3) -> anyhow::Result<serde_json::Value> {
+    /// The picture of `--texture`.
+    fn picture(&self, format: Format) -> anyhow::Result<Option<Picture>> {
+        let Some(path) = &self.texture else { return Ok(None) };
+        ensure!(format == Format::Glb, "--texture: {} files hold no picture; write a .glb or leave it out", format.name());
+        let bytes = std::fs::read(path).with_context(|| format!("--texture: cannot read {}", path.display()))?;
+        let picture = Picture::of_file(bytes);
+        Ok(Some(picture.with_context(|| format!("--texture: {} is neither a PNG nor a JPEG; convert it", path.display()))?))
+    }
+
+    fn write_level(
+        &self,
+        level: &Level,
+        field: &Heightfield,
+        picture: Option<Picture>,
+        path: &Path,
+        scale: DVec3,
+    ) -> anyhow::Result<serde_json::Value> {
         let begun = Instant::now();
         let Level { surface, deviation } = level;
         let format = Format::of(path)?;
         let model = Model::of_heightfield(surface, field, scale);
         let model = match self.export.solid {
             Some(below) => model.solid(below),
+            None => model,
+        };
+        let model = match picture {
+            Some(picture) => model.with_picture(surface, [field.columns(), field.rows()], picture),
             None => model,
         };
         let (volume, written) = (self.export.solid.map(|_| model.volume()), model.triangle_count());

@@ -35,9 +35,6 @@ pub(super) fn add(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Ma
     if !mesh.normals.is_empty() {
         note("NORMAL", normals(mesh, grid, buffers));
     }
-    if !mesh.tangents.is_empty() {
-        note("TANGENT", tangents(mesh, grid, buffers));
-    }
     if !mesh.uvs.is_empty() {
         note("TEXCOORD_0", uvs(mesh, grid.is_some(), buffers));
     }
@@ -83,32 +80,18 @@ fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
 /// Normals; on a grid with another step on each axis they are bent so that its scale bends them back.
 fn normals(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
     let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
-    let vectors = mesh.normals.iter().map(|&n| (Up::Y.turn(n) * scale).normalize_or(DVec3::Y));
-    vectors_of(vectors.map(|n| (n, None)), mesh.normals.len(), grid.is_some(), buffers)
-}
-
-fn tangents(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
-    let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
-    let vectors = mesh.tangents.iter().map(|&t| (Up::Y.turn(t) / scale).normalize_or(DVec3::X));
-    // The second tangent is normal × tangent.
-    vectors_of(vectors.map(|t| (t, Some(1.0))), mesh.tangents.len(), grid.is_some(), buffers)
-}
-
-/// Unit vectors, with a fourth component or without.
-fn vectors_of(vectors: impl Iterator<Item = (DVec3, Option<f64>)>, count: usize, short: bool, buffers: &mut Buffers) -> usize {
-    let (mut bytes, mut parts) = (Vec::new(), 3);
-    for (vector, fourth) in vectors {
-        parts = 3 + usize::from(fourth.is_some());
-        let numbers = [vector.x, vector.y, vector.z].into_iter().chain(fourth);
-        if short {
-            numbers.for_each(|c| bytes.extend(((c * I16).round() as i16).to_le_bytes()));
-            bytes.resize(bytes.len().next_multiple_of(4), 0);
+    let mut bytes = Vec::new();
+    for &normal in &mesh.normals {
+        let n = (Up::Y.turn(normal) * scale).normalize_or(DVec3::Y).to_array();
+        if grid.is_some() {
+            n.iter().for_each(|c| bytes.extend(((c * I16).round() as i16).to_le_bytes()));
+            bytes.extend([0; 2]);
         } else {
-            numbers.for_each(|c| bytes.extend((c as f32).to_le_bytes()));
+            n.iter().for_each(|&c| bytes.extend((c as f32).to_le_bytes()));
         }
     }
-    let component = if short { SHORT } else { FLOAT };
-    buffers.attribute(&Numbers { component, parts, normalized: short }, count, &bytes, None)
+    let component = if grid.is_some() { SHORT } else { FLOAT };
+    buffers.attribute(&Numbers { component, parts: 3, normalized: grid.is_some() }, mesh.normals.len(), &bytes, None)
 }
 
 fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {

@@ -1,5 +1,5 @@
 //! Binary glTF 2.0: one node with one mesh of `f32` positions and `u32` indices, with normals where there are some, and a material where
-//! there are pictures; or all of it in 16 bits, by `KHR_mesh_quantization`.
+//! there is a picture; or all of it in 16 bits, by `KHR_mesh_quantization`.
 //!
 //! glTF is Y-up: (x, y, z) becomes (x, z, -y), a turn by -90° about X. On a planet north is +Y and longitude 0 stays +X; over a
 //! heightfield up is +Y, east +X and north -Z.
@@ -22,8 +22,9 @@ const MAGIC: u32 = 0x4654_6c67;
 const VERSION: u32 = 2;
 const JSON_CHUNK: u32 = 0x4e4f_534a;
 const BINARY_CHUNK: u32 = 0x004e_4942;
-/// How pictures are filtered, as OpenGL numbers it: linearly, without mip levels (which would mix the tiles of an atlas), to their edge.
+/// How pictures are filtered, as OpenGL numbers it: linearly, between mip levels too, up to their edge.
 const LINEAR: u32 = 9729;
+const MIPMAPS: u32 = 9987;
 const CLAMP_TO_EDGE: u32 = 33_071;
 
 /// The bytes of a file.
@@ -43,9 +44,9 @@ pub(super) fn encode(mesh: &Model) -> Result<Vec<u8>, ExportError> {
         },
         "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": nodes(mesh, grid),
     });
-    if mesh.albedo.is_some() || mesh.normal_map.is_some() {
+    if let Some(picture) = &mesh.albedo {
         primitive["material"] = 0.into();
-        add_material(mesh, &mut document, &mut buffers);
+        add_material(picture, &mut document, &mut buffers);
     }
     document["meshes"] = json!([{ "primitives": [primitive] }]);
     if mesh.quantized {
@@ -74,25 +75,15 @@ fn single(v: glam::DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 
-/// Adds a rough, non-metallic material with the pictures of a mesh.
-fn add_material(mesh: &Model, document: &mut Value, buffers: &mut Buffers) {
-    let (mut images, mut textures) = (Vec::new(), Vec::new());
-    let mut texture = |picture: &Picture| {
-        images.push(json!({ "bufferView": buffers.picture(&picture.bytes), "mimeType": picture.mime }));
-        textures.push(json!({ "sampler": 0, "source": images.len() - 1 }));
-        json!({ "index": textures.len() - 1 })
-    };
-    let mut material = json!({ "name": "ground", "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 } });
-    if let Some(picture) = &mesh.albedo {
-        material["pbrMetallicRoughness"]["baseColorTexture"] = texture(picture);
-    }
-    if let Some(picture) = &mesh.normal_map {
-        material["normalTexture"] = texture(picture);
-    }
-    document["materials"] = json!([material]);
-    document["images"] = images.into();
-    document["textures"] = textures.into();
-    document["samplers"] = json!([{ "magFilter": LINEAR, "minFilter": LINEAR, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE }]);
+/// Adds a rough, non-metallic material of a picture's colours.
+fn add_material(picture: &Picture, document: &mut Value, buffers: &mut Buffers) {
+    document["materials"] = json!([{
+        "name": "ground",
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0.0, "roughnessFactor": 1.0 },
+    }]);
+    document["images"] = json!([{ "bufferView": buffers.picture(&picture.bytes), "mimeType": picture.mime }]);
+    document["textures"] = json!([{ "sampler": 0, "source": 0 }]);
+    document["samplers"] = json!([{ "magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE }]);
 }
 
 /// Header and the two chunks, each of whole words.
