@@ -10,7 +10,7 @@ use terrane_planet::draw::cut::{cut, is_visible};
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::{Camera, View};
-use terrane_planet::export::{origin_near, view_surface, ExportError, Format, Placed, Welded};
+use terrane_planet::export::{origin_near, view_surface, ExportError, Format, Placed, Up, Welded};
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::mesh::progressive::PatchMesh;
@@ -158,7 +158,8 @@ fn whole_planets_are_closed_in_every_format() {
     let exact: Vec<DVec3> = surface.positions.iter().map(|p| p.as_dvec3() * tiny.planet.lattice.unit).collect();
     let formats: [(Format, Reader); 3] = [(Format::Obj, read_obj), (Format::Ply, read_ply), (Format::Glb, read_glb)];
     for (format, reader) in formats {
-        let mut read = reader(&placed.encode(format).unwrap());
+        let up = if format == Format::Glb { Up::Y } else { Up::Z };
+        let mut read = reader(&placed.encode(format, up).unwrap());
         assert_eq!(read.triangles, surface.triangles, "{format:?}");
         assert_eq!(read.open_edges(), 0, "{format:?}");
         if format == Format::Glb {
@@ -204,13 +205,49 @@ fn origins_near_the_view_make_glb_precise() {
     let view = tiny.view(5.0);
     let surface = tiny.surface(&view, false);
     let worst = |origin: IVec3| {
-        let read = read_glb(&tiny.placed(&surface, origin).encode(Format::Glb).unwrap());
+        let read = read_glb(&tiny.placed(&surface, origin).encode(Format::Glb, Up::Y).unwrap());
         let near = |p: &DVec3| p.distance(view.camera.position) < 100.0;
         let exact = surface.positions.iter().map(|p| p.as_dvec3() * tiny.planet.lattice.unit);
         read.vertices.iter().zip(exact).filter(|(_, e)| near(e)).map(|(a, e)| a.distance(e)).fold(0.0, f64::max)
     };
     let (near, far) = (worst(origin_near(view.gpu.anchor)), worst(IVec3::ZERO));
     assert!(near < 1e-5 && far > 10.0 * near, "{near} {far}");
+}
+
+#[test]
+fn normals_are_those_of_the_ground_and_solids_of_a_view_are_closed() {
+    let tiny = Tiny::new();
+    let view = tiny.view(300.0);
+    let surface = tiny.surface(&view, false);
+    let placed = tiny.placed(&surface, origin_near(view.gpu.anchor));
+    let ply = placed.model_with_normals(&tiny.planet.ground()).encode(Format::Ply, Up::Z).unwrap();
+    let end = ply.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
+    let normal = |k: usize| {
+        let float = |at: usize| f64::from(f32::from_le_bytes(ply[at..at + 4].try_into().unwrap()));
+        DVec3::from_array([24, 28, 32].map(|offset| float(end + 36 * k + offset)))
+    };
+    // Against the faces around each vertex, which a fine mesh makes nearly the same; upside down they are not.
+    let mut faces = vec![DVec3::ZERO; surface.positions.len()];
+    for t in &surface.triangles {
+        let [a, b, c] = t.map(|v| placed.metres(surface.positions[v as usize]));
+        t.iter().for_each(|&v| faces[v as usize] += (b - a).cross(c - a));
+    }
+    let likeness: Vec<f64> = faces.iter().enumerate().map(|(k, f)| f.normalize().dot(normal(k))).collect();
+    let near = likeness.iter().filter(|&&cosine| cosine > 0.95).count();
+    assert!(near as f64 > 0.9 * likeness.len() as f64, "{near} of {}", likeness.len());
+    assert!((0..faces.len()).all(|k| (normal(k).length() - 1.0).abs() < 1e-6));
+
+    let solid = placed.solid(250.0);
+    assert!(surface.open_edges() > 0 && solid.open_edges() == 0);
+    let area: f64 = surface
+        .triangles
+        .iter()
+        .map(|t| {
+            let [a, b, c] = t.map(|v| placed.metres(surface.positions[v as usize]));
+            (b - a).cross(c - a).length() / 2.0
+        })
+        .sum();
+    assert!(solid.volume() > 0.5 * 250.0 * area, "{} m³ under {area} m²", solid.volume());
 }
 
 #[test]
@@ -223,16 +260,17 @@ fn a_crack_of_one_lattice_unit_is_found() {
     let torn = cracked.triangles.iter_mut().find(|t| t[0] == 0).unwrap();
     torn[0] = surface.positions.len() as u32;
     assert_eq!(cracked.open_edges(), 4);
-    let read = read_ply(&tiny.placed(&cracked, IVec3::ZERO).encode(Format::Ply).unwrap());
+    let read = read_ply(&tiny.placed(&cracked, IVec3::ZERO).encode(Format::Ply, Up::Z).unwrap());
     assert_eq!(read.open_edges(), 4);
 }
 
 #[test]
 fn formats_follow_extensions_and_an_empty_mesh_is_an_error() {
     assert_eq!(Format::of(Path::new("a/b.GLB")), Ok(Format::Glb));
-    assert_eq!(Format::of(Path::new("b.stl")), Err(ExportError::UnknownFormat { file: "b.stl".into() }));
+    assert_eq!(Format::of(Path::new("b.stl")), Ok(Format::Stl));
+    assert_eq!(Format::of(Path::new("b.dae")), Err(ExportError::UnknownFormat { file: "b.dae".into() }));
     assert!(Format::of(Path::new("glb")).is_err());
     let tiny = Tiny::new();
     let nothing = Welded::default();
-    assert_eq!(tiny.placed(&nothing, IVec3::ZERO).encode(Format::Obj), Err(ExportError::Empty));
+    assert_eq!(tiny.placed(&nothing, IVec3::ZERO).encode(Format::Obj, Up::Y), Err(ExportError::Empty));
 }

@@ -10,7 +10,7 @@ use terrane_planet::recipe::Recipe;
 use terrane_planet::store::PlanetFile;
 
 /// Bakes a small planet into a folder.
-fn planet_in(folder: &Path) -> PathBuf {
+pub(crate) fn planet_in(folder: &Path) -> PathBuf {
     let recipe = Recipe::load(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../planet/recipes/tiny.toml")).unwrap();
     let planet = Planet::from_recipe(recipe, 16).unwrap();
     let out = folder.join("tiny.planet");
@@ -29,7 +29,7 @@ fn meshes_are_written_whole_and_described() {
     let folder = tempfile::tempdir().unwrap();
     planet_in(folder.path());
     let mut triangles = Vec::new();
-    for (name, whole) in [("a.obj", true), ("a.ply", true), ("a.glb", true), ("view.glb", false)] {
+    for (name, whole) in [("a.obj", true), ("a.ply", true), ("a.glb", true), ("a.3mf", true), ("view.glb", false)] {
         let mut arguments = vec!["mesh", "tiny.planet", "--at", "10,20,500", "--look", "30,-20", "--out", name, "--json"];
         arguments.extend(whole.then_some("--whole"));
         let output = terrane(&arguments, folder.path());
@@ -40,8 +40,8 @@ fn meshes_are_written_whole_and_described() {
         assert!(summary["largest_coordinate_m"].as_f64().unwrap() < 70_000.0);
         triangles.push(summary["triangles"].as_u64().unwrap());
     }
-    assert!(triangles[0] > 1000 && triangles[..3].iter().all(|t| *t == triangles[0]), "{triangles:?}");
-    assert!((50..triangles[0]).contains(&triangles[3]), "{triangles:?}");
+    assert!(triangles[0] > 1000 && triangles[..4].iter().all(|t| *t == triangles[0]), "{triangles:?}");
+    assert!((50..triangles[0]).contains(&triangles[4]), "{triangles:?}");
 }
 
 #[test]
@@ -72,9 +72,10 @@ fn failed_meshes_leave_nothing_behind() {
     planet_in(folder.path());
     std::fs::create_dir(folder.path().join("folder.obj")).unwrap();
     let cases = [
-        ("a.stl", "-20", "expected .glb, .obj or .ply"),
-        ("no/such/a.obj", "-20", "cannot write the mesh no/such/a.obj"),
-        ("folder.obj", "-20", "cannot write the mesh folder.obj"),
+        ("a.dae", "-20", "expected .glb, .obj, .ply, .stl or .3mf"),
+        ("a.stl", "-20", "add --solid"),
+        ("no/such/a.obj", "-20", "cannot write no/such/a.obj"),
+        ("folder.obj", "-20", "cannot write folder.obj"),
         ("a.obj", "60", "draws no triangle"),
     ];
     for (out, pitch, message) in cases {

@@ -33,9 +33,9 @@ fn read_ply(path: &Path) -> (usize, usize, [[f64; 3]; 2]) {
     assert!(header.contains("+X east, +Y north, +Z up"), "{header}");
     let count = |what: &str| -> usize { header.lines().find_map(|l| l.strip_prefix(what)).unwrap().trim().parse().unwrap() };
     let (vertices, faces) = (count("element vertex"), count("element face"));
-    assert_eq!(bytes.len(), end + 24 * vertices + 13 * faces);
+    assert_eq!(bytes.len(), end + 36 * vertices + 13 * faces);
     let (mut low, mut high) = ([f64::MAX; 3], [f64::MIN; 3]);
-    for point in bytes[end..end + 24 * vertices].chunks(24) {
+    for point in bytes[end..end + 36 * vertices].chunks(36) {
         for k in 0..3 {
             let coordinate = f64::from_le_bytes(point[8 * k..8 * k + 8].try_into().unwrap());
             (low[k], high[k]) = (low[k].min(coordinate), high[k].max(coordinate));
@@ -97,8 +97,8 @@ fn north_is_at_the_largest_y() {
     let text = std::fs::read_to_string(folder.path().join("slope.obj")).unwrap();
     let mut vertices: Vec<&str> = text.lines().filter(|l| l.starts_with("v ")).collect();
     vertices.sort_unstable();
-    assert_eq!(vertices, ["v 0 0 0", "v 0 120 200", "v 120 0 0", "v 120 120 200"]);
-    assert!(text.contains("+Y north") && text.lines().filter(|l| l.starts_with("f ")).count() == 2);
+    assert_eq!(vertices, ["v 0 0 0", "v 0 200 -120", "v 120 0 0", "v 120 200 -120"]);
+    assert!(text.contains("+Y up, -Z north") && text.lines().filter(|l| l.starts_with("f ")).count() == 2);
 }
 
 #[test]
@@ -146,12 +146,12 @@ fn bad_requests_are_explained() {
     let cases: [(&[&str], i32, &str); 8] = [
         (&["odd.raw", "--faces", "9", "--out", "a.ply"], 1, "found 7 bytes, expected two bytes a sample of a square"),
         (&["gone.raw", "--faces", "9", "--out", "a.ply"], 1, "gone.raw: found No such file"),
-        (&[file, "--faces", "9", "--out", "a.stl"], 1, "names no mesh format"),
+        (&[file, "--faces", "9", "--out", "a.dae"], 1, "names no mesh format"),
         (&[file, "--faces", "1", "--out", "a.ply"], 1, "expected 2 or more"),
         (&[file, "--error", "nan", "--out", "a.ply"], 1, "expected 0 or more metres"),
         (&[file, "--faces", "9,9", "--out", "a.ply"], 1, "a-9.ply; ask for each level once"),
         (&[file, "--out", "a.ply"], 2, "--faces"),
-        (&[file, "--faces", "9", "--out", "no/such/a.ply"], 1, "cannot write the mesh no/such/a.ply"),
+        (&[file, "--faces", "9", "--out", "no/such/a.ply"], 1, "cannot write no/such/a.ply"),
     ];
     for (arguments, code, message) in cases {
         let output = terrane(&[&["simplify"], arguments].concat(), folder.path());

@@ -1,23 +1,31 @@
-//! Wavefront OBJ: text, exact decimals, one object of triangles.
+//! Wavefront OBJ: text, exact decimals, one object of triangles, normals to six digits.
 
-use super::Model;
+use super::{Model, Up};
 use std::fmt::Write;
 
 /// The bytes of a file.
-pub(super) fn encode(mesh: &Model) -> Vec<u8> {
-    let mut text = format!("# Terrane: {}\n# {}\no terrane\n", mesh.axes, mesh.provenance);
-    for position in &mesh.positions {
+pub(super) fn encode(mesh: &Model, up: Up) -> Vec<u8> {
+    let mut text = format!("# Terrane: {}\n# {}\no terrane\n", mesh.axes(up), mesh.provenance);
+    for &position in &mesh.positions {
         text.push('v');
-        for metres in position.to_array() {
+        for metres in up.turn(position).to_array() {
             text.push(' ');
             push_decimal(&mut text, metres, mesh.decimals);
         }
         text.push('\n');
     }
-    for triangle in mesh.triangles {
+    // Writing to a string cannot fail.
+    for &normal in &mesh.normals {
+        let n = up.turn(normal).as_vec3();
+        let _ = writeln!(text, "vn {} {} {}", n.x, n.y, n.z);
+    }
+    for triangle in mesh.triangles.iter() {
         let [a, b, c] = triangle.map(|v| u64::from(v) + 1);
-        // Writing to a string cannot fail.
-        let _ = writeln!(text, "f {a} {b} {c}");
+        let _ = if mesh.normals.is_empty() {
+            writeln!(text, "f {a} {b} {c}")
+        } else {
+            writeln!(text, "f {a}//{a} {b}//{b} {c}//{c}")
+        };
     }
     text.into_bytes()
 }

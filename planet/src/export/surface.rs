@@ -1,5 +1,6 @@
 //! The surface that a view draws, in one piece.
 
+use super::solid::rim;
 use crate::draw::cut::{cut, is_visible, Leaf};
 use crate::draw::layout::PatchVertex;
 use crate::draw::loaded_patch::LoadedPatch;
@@ -19,21 +20,23 @@ pub struct Welded {
     pub positions: Vec<IVec3>,
     /// Corners as indices into `positions`, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
+    /// The finest level of the patches that each position came from.
+    pub levels: Vec<u8>,
     /// Patches that any triangle came from.
     pub patches: usize,
     numbers: HashMap<IVec3, u32>,
 }
 
 impl Welded {
-    /// Adds the triangles of a patch.
-    pub fn add(&mut self, vertices: &[PatchVertex], triangles: &[[u32; 3]]) {
+    /// Adds the triangles of a patch of a level.
+    pub fn add(&mut self, level: u8, vertices: &[PatchVertex], triangles: &[[u32; 3]]) {
         self.patches += usize::from(!triangles.is_empty());
         let mut known = vec![u32::MAX; vertices.len()];
         for triangle in triangles {
             let welded = triangle.map(|v| {
                 let number = &mut known[v as usize];
                 if *number == u32::MAX {
-                    *number = self.number(IVec3::from_array(vertices[v as usize].position));
+                    *number = self.number(level, IVec3::from_array(vertices[v as usize].position));
                 }
                 *number
             });
@@ -41,22 +44,21 @@ impl Welded {
         }
     }
 
-    fn number(&mut self, position: IVec3) -> u32 {
+    fn number(&mut self, level: u8, position: IVec3) -> u32 {
         let next = self.positions.len() as u32;
         let number = *self.numbers.entry(position).or_insert(next);
         if number == next {
             self.positions.push(position);
+            self.levels.push(level);
         }
+        let finest = &mut self.levels[number as usize];
+        *finest = level.max(*finest);
         number
     }
 
     /// Directed edges that no opposite edge cancels: 0 for a closed surface.
     pub fn open_edges(&self) -> usize {
-        let directed = self.triangles.iter().flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-        let mut edges: Vec<(u32, u32, i32)> = directed.map(|(a, b)| (a.min(b), a.max(b), if a < b { 1 } else { -1 })).collect();
-        edges.sort_unstable();
-        let left = |run: &[(u32, u32, i32)]| run.iter().map(|e| e.2).sum::<i32>().unsigned_abs() as usize;
-        edges.chunk_by(|x, y| (x.0, x.1) == (y.0, y.1)).map(left).sum()
+        rim(&self.triangles).len()
     }
 }
 
@@ -76,7 +78,7 @@ pub fn view_surface<E>(
     for leaf in cut(tree, &view, &|_| true).leaves {
         if whole || tree.get(leaf.id).is_some_and(|node| is_visible(tree, &view, &node.space)) {
             let patch = load(leaf.id)?;
-            surface.add(&patch.vertices, &drawn(&view, &leaf, &patch));
+            surface.add(leaf.id.level, &patch.vertices, &drawn(&view, &leaf, &patch));
         }
     }
     Ok(surface)

@@ -2,10 +2,12 @@
 
 pub mod horizon;
 mod kept;
+mod normal;
 pub mod surroundings;
 pub mod texture;
 
 pub use kept::{KeptHeights, SampledHeights};
+pub use normal::NormalSite;
 
 use crate::globe::lattice::Lattice;
 use crate::globe::patch::PatchId;

@@ -1,6 +1,7 @@
 //! `terrane bake`: builds the patches of a recipe into a planet file, or what is missing of them.
 
 use super::building::{stop_on_signals, Report, Threads};
+use super::output::{check_output, Output};
 use super::recipes::load_recipe;
 use super::Run;
 use crate::Outcome;
@@ -71,6 +72,7 @@ fn parse_region(text: &str) -> Result<RegionArgument, String> {
 
 impl Run for Bake {
     fn run(self) -> anyhow::Result<Outcome> {
+        check_output("--out", &self.out, Output::File(&[]))?;
         let planet = Planet::from_recipe(self.recipe()?, self.cells)?;
         let plan = BakePlan::new(planet.recipe.radius, self.levels, self.region())?;
         let mut file = PlanetFile::create_or_resume(&self.out, &planet.header())?;

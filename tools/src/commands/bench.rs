@@ -7,6 +7,7 @@ mod process;
 mod savings;
 
 use super::drawing::DrawOptions;
+use super::output::{check_output, Output};
 use super::paths::load_path;
 use super::stage_times::stage_times;
 use super::viewing::{check_tolerance, numbers, picture_size};
@@ -80,6 +81,9 @@ pub(crate) struct Bench {
 
 impl Run for Bench {
     fn run(self) -> anyhow::Result<Outcome> {
+        if let Some(out) = &self.json {
+            check_output("--json", out, Output::File(&[]))?;
+        }
         if self.first_look {
             self.first_looks()?;
             return Ok(Outcome::Done);

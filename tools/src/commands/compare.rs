@@ -1,5 +1,6 @@
 //! `terrane compare`: triangles at equal measured screen error, ours and those of classic methods.
 
+use super::output::{check_output, Output};
 use super::paths::load_path;
 use super::viewing::{check_tolerance, picture_size};
 use super::{pictures, Run};
@@ -58,6 +59,9 @@ impl Run for Compare {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
         check_tolerance(self.error)?;
+        if let Some(out) = &self.json {
+            check_output("--json", out, Output::File(&[]))?;
+        }
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
         let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));

@@ -1,5 +1,6 @@
 //! Where recorded frames go: a folder of numbered PNGs, or a film that `ffmpeg` makes of them.
 
+use super::output::{check_output, Output};
 use super::pictures;
 use anyhow::{bail, ensure, Context as _};
 use std::io::{ErrorKind, Write};
@@ -55,7 +56,7 @@ pub(crate) fn container(out: &Path) -> Option<&'static str> {
 impl Film {
     /// A folder, made if it is not there.
     pub(crate) fn folder(folder: &Path) -> anyhow::Result<Film> {
-        std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+        check_output("--out", folder, Output::Folder)?;
         Ok(Film::Folder { folder: folder.to_owned() })
     }
 
@@ -69,6 +70,7 @@ impl Film {
         let options = CONTAINERS.iter().find(|(container, _)| *container == name).map_or(&[][..], |(_, options)| options);
         let file = out.file_name().with_context(|| format!("{} names no file", out.display()))?;
         let part = out.with_file_name(format!(".{}.part", file.to_string_lossy()));
+        check_output("--out", out, Output::File(&[name]))?;
         let (size, rate) = (format!("{width}x{height}"), fps.to_string());
         let mut command = Command::new("ffmpeg");
         command.args(["-hide_banner", "-loglevel", "error", "-nostdin", "-y", "-f", "rawvideo", "-pix_fmt", "rgba", "-s", &size]);

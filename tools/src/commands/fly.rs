@@ -1,6 +1,7 @@
 //! `terrane fly`: the planet in a window.
 
 use super::drawing::DrawOptions;
+use super::output::{check_output, Output};
 use super::paths::load_path;
 use super::viewing::{report_messages, CameraOptions, Exposure};
 use super::{pictures, Run};
@@ -69,6 +70,7 @@ fn positive(text: &str) -> anyhow::Result<f64> {
 
 impl Run for Fly {
     fn run(self) -> anyhow::Result<Outcome> {
+        check_output("--screenshots", &self.screenshots, Output::Folder)?;
         let planet = Planet::from_header(PlanetFile::open(&self.file)?.header())?;
         let camera = self.camera.camera(&planet)?;
         let folder = self.screenshots;

@@ -3,6 +3,7 @@
 //! In: a list of views. Out: JPEGs and a page that shows them with the command line of each. The command lines are run as they are
 //! printed: what the page says is what was done.
 
+use super::output::{check_output, Output};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, ensure, Context as _};
@@ -78,9 +79,8 @@ fn one() -> u8 {
 impl Run for Gallery {
     fn run(self) -> anyhow::Result<Outcome> {
         let list = self.load()?;
-        for folder in [&self.out, &self.work] {
-            std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
-        }
+        check_output("--out", &self.out, Output::Folder)?;
+        check_output("--work", &self.work, Output::Folder)?;
         let mut baked = HashSet::new();
         let chosen: Vec<&Entry> = list.iter().filter(|entry| self.only.is_empty() || self.only.contains(&entry.name)).collect();
         for (number, entry) in chosen.iter().enumerate() {

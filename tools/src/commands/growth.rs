@@ -4,6 +4,7 @@ mod fit;
 mod plot;
 
 use super::drawing::DrawOptions;
+use super::output::{check_output, Output};
 use super::viewing::{check_tolerance, CameraOptions, Exposure};
 use super::{pictures, Run};
 use crate::Outcome;
@@ -74,6 +75,9 @@ impl Run for Growth {
             self.finest,
             self.camera.error
         );
+        if let Some(out) = &self.plot {
+            check_output("--plot", out, Output::File(&[]))?;
+        }
         let (context, mut scene) = self.draw.open(&self.file)?;
         let camera = self.camera.camera(scene.planet())?;
         let [width, height] = camera.size;

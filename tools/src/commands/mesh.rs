@@ -1,5 +1,7 @@
 //! `terrane mesh`: the triangles of a view, for other programs.
 
+use super::exporting::ExportOptions;
+use super::output::{check_output, Output};
 use super::viewing::CameraOptions;
 use super::{pictures, Run};
 use crate::Outcome;
@@ -24,8 +26,8 @@ enum Centre {
 
 /// Write the mesh of a view, exactly the triangles that would be drawn. Needs no GPU.
 ///
-/// OBJ and PLY hold planet-fixed metres without any rounding (+Z north, +X longitude 0). GLB holds single precision in glTF's
-/// axes: planet (x, y, z) becomes (x, z, -y). Its positions count from a lattice point next to the camera, which the node's
+/// OBJ, PLY and 3MF hold planet-fixed metres without any rounding (+Z north, +X longitude 0; see --up). GLB and STL hold single precision,
+/// GLB in glTF's axes: planet (x, y, z) becomes (x, z, -y). Its positions count from a lattice point next to the camera, which the node's
 /// translation and extras hold exactly; they are off by at most a 2^-25th of their size: 0.03 mm at 1 km from the camera.
 #[derive(clap::Args)]
 pub(crate) struct Mesh {
@@ -36,9 +38,11 @@ pub(crate) struct Mesh {
     /// Keep what the camera does not see: one closed surface around the planet.
     #[arg(long)]
     whole: bool,
-    /// Where coordinates start from [default: view for GLB, planet for OBJ and PLY].
+    /// Where coordinates start from [default: view for GLB and STL, planet for the others].
     #[arg(long, value_enum)]
     centre: Option<Centre>,
+    #[command(flatten)]
+    export: ExportOptions,
     #[arg(long, help = format!("File to write: {EXTENSIONS}"))]
     out: PathBuf,
     /// Print one JSON object.
@@ -49,36 +53,50 @@ pub(crate) struct Mesh {
 impl Run for Mesh {
     fn run(self) -> anyhow::Result<Outcome> {
         let format = Format::of(&self.out)?;
+        self.export.check(format)?;
+        check_output("--out", &self.out, Output::File(&[]))?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
         let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));
         let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error);
         let surface = view_surface(&tree, &view, self.whole, |id| file.mesh(id).map(|m| LoadedPatch::new(m, &planet.lattice)))?;
         let origin = match (self.centre, format) {
-            (Some(Centre::View), _) | (None, Format::Glb) => origin_near(view.gpu.anchor),
+            (Some(Centre::View), _) | (None, Format::Glb | Format::Stl) => origin_near(view.gpu.anchor),
             (Some(Centre::Planet), _) | (None, _) => IVec3::ZERO,
         };
         let placed = Placed { surface: &surface, origin, lattice: planet.lattice };
-        let bytes = placed.encode(format)?;
+        let model = match self.export.solid {
+            Some(below) => placed.solid(below),
+            None => placed.model_with_normals(&planet.ground()),
+        };
+        let made = Made { triangles: model.triangle_count(), vertices: model.vertex_count(), open_edges: model.open_edges() };
+        let bytes = self.export.encode(model, format)?;
         pictures::write_whole(&self.out, &bytes).with_context(|| format!("cannot write the mesh {}", self.out.display()))?;
-        self.print(&placed, format, bytes.len(), &view);
+        self.print(&placed, &made, format, bytes.len(), &view)?;
         Ok(Outcome::Done)
     }
 }
 
+/// What a file holds.
+struct Made {
+    triangles: usize,
+    vertices: usize,
+    open_edges: usize,
+}
+
 impl Mesh {
-    fn print(&self, placed: &Placed, format: Format, bytes: usize, view: &View) {
-        let (surface, largest, open_edges) = (placed.surface, placed.largest_coordinate(), placed.surface.open_edges());
-        let (triangles, vertices, patches) = (surface.triangles.len(), surface.positions.len(), surface.patches);
+    fn print(&self, placed: &Placed, made: &Made, format: Format, bytes: usize, view: &View) -> anyhow::Result<()> {
+        let (patches, largest) = (placed.surface.patches, placed.largest_coordinate());
+        let &Made { triangles, vertices, open_edges } = made;
         if self.json {
             let summary = json!({
                 "mesh": self.out, "format": format.name(), "triangles": triangles, "vertices": vertices, "patches": patches,
                 "closed": open_edges == 0, "open_edges": open_edges, "largest_coordinate_m": largest, "bytes": bytes,
                 "origin_lattice": placed.origin.to_array(), "unit_m": placed.lattice.unit,
-                "scale": view.scale,
+                "scale": view.scale, "up": self.export.up_name(format)?, "solid": self.export.solid.is_some(),
             });
             println!("{summary}");
-            return;
+            return Ok(());
         }
         let closed = if open_edges == 0 { "closed".to_owned() } else { format!("{open_edges} open edges") };
         println!(
@@ -86,5 +104,6 @@ impl Mesh {
             self.out.display(),
             bytes as f64 / 1e6
         );
+        Ok(())
     }
 }

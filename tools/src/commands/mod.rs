@@ -7,16 +7,20 @@ mod building;
 mod compare;
 mod drawing;
 mod edit;
+mod exporting;
 mod film;
 mod fly;
 mod gallery;
 mod gpus;
 mod growth;
+mod height;
 mod info;
 mod mesh;
+mod output;
 mod paths;
 mod pictures;
 mod radiance;
+mod raster;
 mod recipes;
 mod record;
 mod shot;
@@ -61,8 +65,10 @@ commands! {
     gallery => Gallery,
     gpus => Gpus,
     growth => Growth,
+    height => Height,
     info => Info,
     mesh => Mesh,
+    raster => Raster,
     record => Record,
     shot => Shot,
     simplify => Simplify,

@@ -2,6 +2,7 @@
 
 use super::building::Report;
 use super::drawing::{first_picture, DrawOptions};
+use super::output::{check_output, Output};
 use super::radiance::{write_exr, Taken};
 use super::stage_times::stage_times;
 use super::still::{format_of, StillArguments};
@@ -46,6 +47,7 @@ impl Run for Shot {
     fn run(self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
         let format = format_of(&self.out, self.depth)?;
+        check_output("--out", &self.out, Output::File(&["png", "exr"]))?;
         let (context, mut scene) = self.draw.open(&self.file)?;
         let camera = self.camera.camera(scene.planet())?;
         let view = self.draw.view(camera, scene.planet(), self.camera.error);

@@ -2,6 +2,8 @@
 
 mod input;
 
+use super::exporting::ExportOptions;
+use super::output::{check_output, Output};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, ensure, Context as _};
@@ -14,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 use terrane_heightfield::classic::{Cost, Level, Levels};
 use terrane_heightfield::{Heightfield, Holes};
-use terrane_planet::export::{Format, Model, EXTENSIONS};
+use terrane_planet::export::{Format, Model, Picture, EXTENSIONS};
 
 /// What chooses the vertices that go first.
 #[derive(clap::ValueEnum, Clone, Copy)]
@@ -29,8 +31,8 @@ enum CostOption {
 
 /// Turn heightfields (GeoTIFF, SRTM .hgt, Esri .asc, PNG, .raw, and more) into triangle meshes. Needs no GPU.
 ///
-/// Meshes hold metres: +X east, +Y north (the first row of the file is north), +Z up, from the south-west sample; GLB is turned to
-/// glTF's axes. Errors are vertical, in metres, and measured at every sample of the file. Samples without data are filled from
+/// Meshes hold metres: +X east, +Y north (the first row of the file is north), +Z up, from the south-west sample; OBJ and GLB are turned
+/// to Y up (see --up). Normals are those of the heights. Errors are vertical, in metres, and measured at every sample of the file. Samples without data are filled from
 /// their surroundings first, or cut out (--gaps cut). What is assumed about a file is said on stderr and in --json. Several levels
 /// become several files: x.ply with --faces 1000,100 is written as x-1000.ply and x-100.ply, with --error 2,8 as x-e2.ply and
 /// x-e8.ply.
@@ -52,6 +54,11 @@ pub(crate) struct Simplify {
     /// flipped, which lowers the largest error by a quarter to a third at the same number of triangles.
     #[arg(long)]
     keep_samples: bool,
+    #[command(flatten)]
+    export: ExportOptions,
+    /// Picture of the same ground, a PNG or JPEG with north up, to put into the GLB as it is; its corners lie on the corner samples.
+    #[arg(long, value_name = "x.png|x.jpg", conflicts_with = "solid")]
+    texture: Option<PathBuf>,
     #[arg(long, help = format!("File to write: {EXTENSIONS}; - for stdout, with --format"))]
     out: PathBuf,
     #[arg(long, help = format!("Format of stdout: {EXTENSIONS}"))]
@@ -71,8 +78,17 @@ enum Goal {
 impl Run for Simplify {
     fn run(self) -> anyhow::Result<Outcome> {
         let format = self.mesh_format()?;
+        self.export.check(format)?;
+        let picture = self.picture(format)?;
         let goals = self.goals()?;
+        for &goal in goals.iter().filter(|_| !self.to_stdout()) {
+            check_output("--out", &self.path(goal, goals.len() > 1), Output::File(&[]))?;
+        }
         let cuts = self.input.gaps == Gaps::Cut;
+        ensure!(
+            !cuts || self.export.solid.is_none(),
+            "--solid: found --gaps cut, expected a surface without holes; leave one of them out"
+        );
         ensure!(
             !cuts || self.cost.cost() == Cost::Certified,
             "--gaps cut: found --cost {}, expected certified",
@@ -102,7 +118,12 @@ impl Run for Simplify {
         let seconds = begun.elapsed().as_secs_f64();
         let mut rows = Vec::new();
         for &goal in &goals {
-            rows.push(self.write_level(&mut levels, goal, goals.len() > 1, format, scale)?);
+            let level = match goal {
+                Goal::Faces(faces) => levels.of_faces(faces),
+                Goal::Error(metres) => levels.of_error(metres / scale.z),
+            };
+            let path = self.path(goal, goals.len() > 1);
+            rows.push(self.write_level(&level, &image.field, picture.clone(), (&path, format), scale)?);
         }
         if self.json {
             println!("{}", self.summary(described, filled, seconds, rows));
@@ -193,18 +214,40 @@ impl Simplify {
         }
     }
 
-    fn write_level(&self, levels: &mut Levels, goal: Goal, several: bool, format: Format, scale: DVec3) -> anyhow::Result<Value> {
+    /// The picture of `--texture`.
+    fn picture(&self, format: Format) -> anyhow::Result<Option<Picture>> {
+        let Some(path) = &self.texture else { return Ok(None) };
+        ensure!(format == Format::Glb, "--texture: {} files hold no picture; write a .glb or leave it out", format.name());
+        let bytes = std::fs::read(path).with_context(|| format!("--texture: cannot read {}", path.display()))?;
+        let picture = Picture::of_file(bytes);
+        Ok(Some(picture.with_context(|| format!("--texture: {} is neither a PNG nor a JPEG; convert it", path.display()))?))
+    }
+
+    fn write_level(
+        &self,
+        level: &Level,
+        field: &Heightfield,
+        picture: Option<Picture>,
+        (path, format): (&Path, Format),
+        scale: DVec3,
+    ) -> anyhow::Result<Value> {
         let begun = Instant::now();
-        let Level { surface, deviation } = match goal {
-            Goal::Faces(faces) => levels.of_faces(faces),
-            Goal::Error(metres) => levels.of_error(metres / scale.z),
+        let Level { surface, deviation } = level;
+        let model = Model::of_heightfield(surface, field, scale);
+        let model = match self.export.solid {
+            Some(below) => model.solid(below),
+            None => model,
         };
-        let path = self.path(goal, several);
-        let bytes = Model::of_heightfield(&surface, scale).encode(format)?;
+        let model = match picture {
+            Some(picture) => model.with_picture(surface, [field.columns(), field.rows()], picture),
+            None => model,
+        };
+        let (volume, written) = (self.export.solid.map(|_| model.volume()), model.triangle_count());
+        let bytes = self.export.encode(model, format)?;
         if self.to_stdout() {
             std::io::stdout().lock().write_all(&bytes).context("cannot write the mesh to stdout")?;
         } else {
-            pictures::write_whole(&path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
+            pictures::write_whole(path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
         }
         let (faces, vertices) = (surface.faces.len(), surface.positions.len());
         let (max, rms) = (deviation.max * scale.z, deviation.rms * scale.z);
@@ -224,6 +267,7 @@ impl Simplify {
         Ok(json!({
             "faces": faces, "vertices": vertices, "max_error": max, "rms_error": rms, "uncovered": deviation.uncovered,
             "seconds": seconds, "file": path, "bytes": bytes.len(),
+            "up": self.export.up_name(format)?, "volume_m3": volume, "triangles_in_file": written,
         }))
     }
 

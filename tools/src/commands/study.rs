@@ -1,5 +1,6 @@
 //! `terrane study`: the classic comparison of simplification costs.
 
+use super::output::{check_output, Output};
 use super::{pictures, Run};
 use crate::study::{plot, repeat, sheet, terrain::study_field, Series};
 use crate::Outcome;
@@ -28,7 +29,7 @@ impl Run for Study {
     fn run(self) -> anyhow::Result<Outcome> {
         let field = study_field(SIDE);
         let all = repeat(&field)?;
-        std::fs::create_dir_all(&self.out).with_context(|| format!("cannot make the folder {}", self.out.display()))?;
+        check_output("--out", &self.out, Output::Folder)?;
         let (meshes, errors) = (self.out.join("meshes.png"), self.out.join("errors.svg"));
         let canvas = sheet::draw(&field, &all);
         let size = canvas.size.map(|s| s as u32);

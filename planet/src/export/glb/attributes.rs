@@ -1,0 +1,109 @@
+//! The attributes of vertices as GLB files hold them: in single precision, or in 16 bits (`KHR_mesh_quantization`).
+
+use super::super::{Model, Up};
+use super::buffers::{Buffers, Numbers, FLOAT, SHORT, UNSIGNED_INT, UNSIGNED_SHORT};
+use glam::DVec3;
+use serde_json::{json, Map, Value};
+
+/// Largest whole numbers of 16 bits.
+const U16: f64 = 65_535.0;
+const I16: f64 = 32_767.0;
+
+/// The grid that quantised positions are on: metres are `low + step * number`, axis by axis, in glTF's axes.
+#[derive(Clone, Copy)]
+pub(super) struct Grid {
+    pub low: DVec3,
+    pub step: DVec3,
+}
+
+impl Grid {
+    /// The finest one of 16 bits that holds all vertices of a mesh.
+    pub(super) fn of(mesh: &Model) -> Grid {
+        let points = mesh.positions.iter().map(|&p| Up::Y.turn(p));
+        let (low, high) = points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(l, h), p| (l.min(p), h.max(p)));
+        let step = (high - low) / U16;
+        // Any step does along an axis on which all vertices agree.
+        Grid { low, step: DVec3::select(step.cmpgt(DVec3::ZERO), step, DVec3::ONE) }
+    }
+}
+
+/// Adds all attributes of a mesh; without a grid in single precision. Out: their accessors, by name.
+pub(super) fn add(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Map<String, Value> {
+    let mut names = Map::new();
+    let mut note = |name: &str, accessor: usize| names.insert(name.to_owned(), accessor.into());
+    note("POSITION", positions(mesh, grid, buffers));
+    if !mesh.normals.is_empty() {
+        note("NORMAL", normals(mesh, grid, buffers));
+    }
+    if !mesh.uvs.is_empty() {
+        note("TEXCOORD_0", uvs(mesh, grid.is_some(), buffers));
+    }
+    names
+}
+
+/// Adds the corners of the triangles; with `short`, in 16 bits where that is enough.
+pub(super) fn add_indices(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
+    let corners = mesh.triangles.as_flattened();
+    // The largest number means "begin anew" to some devices.
+    if short && mesh.positions.len() < usize::from(u16::MAX) {
+        let bytes: Vec<u8> = corners.iter().flat_map(|&v| (v as u16).to_le_bytes()).collect();
+        return buffers.indices(UNSIGNED_SHORT, corners.len(), &bytes);
+    }
+    let bytes: Vec<u8> = corners.iter().flat_map(|v| v.to_le_bytes()).collect();
+    buffers.indices(UNSIGNED_INT, corners.len(), &bytes)
+}
+
+fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
+    let count = mesh.positions.len();
+    let points = mesh.positions.iter().map(|&p| Up::Y.turn(p));
+    let Some(grid) = grid else {
+        let points: Vec<[f32; 3]> = points.map(|p| p.as_vec3().to_array()).collect();
+        let bounds = [f32::min, f32::max].map(|pick| {
+            let merge = |a: [f32; 3], b: &[f32; 3]| [0, 1, 2].map(|k| pick(a[k], b[k]));
+            json!(points.iter().fold(points[0], merge))
+        });
+        let bytes = floats(points.as_flattened());
+        return buffers.attribute(&Numbers { component: FLOAT, parts: 3, normalized: false }, count, &bytes, Some(bounds));
+    };
+    let points: Vec<[u16; 4]> = points
+        .map(|p| ((p - grid.low) / grid.step).round().to_array())
+        .map(|[x, y, z]| [x as u16, y as u16, z as u16, 0])
+        .collect();
+    let bounds = [Ord::min, Ord::max].map(|pick: fn(u16, u16) -> u16| {
+        let merge = |a: [u16; 4], b: &[u16; 4]| [0, 1, 2, 3].map(|k| pick(a[k], b[k]));
+        json!(points.iter().fold(points[0], merge)[..3])
+    });
+    let bytes: Vec<u8> = points.as_flattened().iter().flat_map(|c| c.to_le_bytes()).collect();
+    buffers.attribute(&Numbers { component: UNSIGNED_SHORT, parts: 3, normalized: false }, count, &bytes, Some(bounds))
+}
+
+/// Normals; on a grid with another step on each axis they are bent so that its scale bends them back.
+fn normals(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
+    let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
+    let mut bytes = Vec::new();
+    for &normal in &mesh.normals {
+        let n = (Up::Y.turn(normal) * scale).normalize_or(DVec3::Y).to_array();
+        if grid.is_some() {
+            n.iter().for_each(|c| bytes.extend(((c * I16).round() as i16).to_le_bytes()));
+            bytes.extend([0; 2]);
+        } else {
+            n.iter().for_each(|&c| bytes.extend((c as f32).to_le_bytes()));
+        }
+    }
+    let component = if grid.is_some() { SHORT } else { FLOAT };
+    buffers.attribute(&Numbers { component, parts: 3, normalized: grid.is_some() }, mesh.normals.len(), &bytes, None)
+}
+
+fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
+    let (component, bytes) = if short {
+        let code = |c: &f32| ((f64::from(*c) * U16).round() as u16).to_le_bytes();
+        (UNSIGNED_SHORT, mesh.uvs.as_flattened().iter().flat_map(code).collect())
+    } else {
+        (FLOAT, floats(mesh.uvs.as_flattened()))
+    };
+    buffers.attribute(&Numbers { component, parts: 2, normalized: short }, mesh.uvs.len(), &bytes, None)
+}
+
+fn floats(numbers: &[f32]) -> Vec<u8> {
+    numbers.iter().flat_map(|c| c.to_le_bytes()).collect()
+}

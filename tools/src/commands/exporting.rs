@@ -1,0 +1,70 @@
+//! How meshes are written, as options that `mesh` and `simplify` share.
+
+use anyhow::ensure;
+use terrane_planet::export::{Format, Model, Up};
+
+/// The axis that points up.
+#[derive(clap::ValueEnum, Clone, Copy)]
+enum UpOption {
+    /// Y up, and -Z for north (over a heightfield) or longitude 90 east (on a planet).
+    Y,
+    /// Z up, and +Y for north or longitude 90 east.
+    Z,
+}
+
+/// How a mesh is written.
+#[derive(clap::Args)]
+pub(crate) struct ExportOptions {
+    /// Axis that points up; on a planet, north [default: what programs expect of the format: y for OBJ and GLB, which has no other; z for
+    /// PLY, STL and 3MF].
+    #[arg(long, value_enum)]
+    up: Option<UpOption>,
+    /// Close the surface to a solid, with walls and a floor so many metres below its lowest vertex. STL and 3MF need it, unless the mesh
+    /// is closed already. Faces are flat.
+    #[arg(long, value_name = "METRES")]
+    pub(crate) solid: Option<f64>,
+    /// Write numbers of 16 bits to the GLB (KHR_mesh_quantization): half the size; positions move by up to half a 65,535th of the mesh's
+    /// extent along each axis.
+    #[arg(long)]
+    quantize: bool,
+}
+
+impl ExportOptions {
+    /// The axis that points up in a file. Fails for what the format cannot hold, before any work.
+    pub(crate) fn check(&self, format: Format) -> anyhow::Result<Up> {
+        if let Some(below) = self.solid {
+            ensure!(
+                below > 0.0 && below.is_finite(),
+                "--solid: found {below}, expected more than 0 metres below the lowest ground"
+            );
+        }
+        ensure!(
+            format == Format::Glb || !self.quantize,
+            "--quantize: {} files cannot hold it; write a .glb or leave it out",
+            format.name()
+        );
+        match self.up {
+            Some(UpOption::Z) if format == Format::Glb => {
+                anyhow::bail!("--up z: glTF is Y-up by its specification, and programs turn it themselves; leave it out")
+            }
+            Some(UpOption::Z) => Ok(Up::Z),
+            Some(UpOption::Y) => Ok(Up::Y),
+            None => Ok(format.usual_up()),
+        }
+    }
+
+    /// The bytes of a file.
+    pub(crate) fn encode(&self, model: Model, format: Format) -> anyhow::Result<Vec<u8>> {
+        let up = self.check(format)?;
+        let model = if self.quantize { model.quantized() } else { model };
+        Ok(model.encode(format, up)?)
+    }
+
+    /// The name of the axis that points up, for `--json`.
+    pub(crate) fn up_name(&self, format: Format) -> anyhow::Result<&'static str> {
+        Ok(match self.check(format)? {
+            Up::Y => "y",
+            Up::Z => "z",
+        })
+    }
+}
