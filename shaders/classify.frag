@@ -1,11 +1,12 @@
 #version 460
 // What each pixel shows, as a depth that later passes test against; and the ground as it is seen where no sea lies over it.
+#define SHADING_IS_UNIFORM
 #include "clouds.glsl"
 #include "classes.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D ground;
-layout(scalar, binding = 3) readonly buffer View { FrameView view; };
+layout(scalar, binding = 3) uniform View { FrameView view; };
 layout(binding = 4) uniform sampler2D edges;
 
 // Whether there are clouds (1), and rays without air (2).

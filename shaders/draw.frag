@@ -1,5 +1,6 @@
 #version 460
 // Ground: normals and albedo from per-patch textures, never from the triangles, lit by the sun and the sky.
+#define SHADING_IS_UNIFORM
 #include "frame.glsl"
 #include "skylight.glsl"
 #include "clouds.glsl"
@@ -15,7 +16,7 @@ layout(location = 1) in vec2 in_grid;
 layout(location = 2) flat in uint in_patch;
 layout(location = 0) out vec4 out_color;
 
-layout(scalar, binding = 4) readonly buffer View { FrameView view; };
+layout(scalar, binding = 4) uniform View { FrameView view; };
 
 // Radians, a little more than half the sun's disc: the relief is known to a texel only.
 const float PENUMBRA = 0.008;

@@ -6,7 +6,7 @@
 // Factor on depth, above 1 for lines: they are drawn over the surface they lie on, and lines and triangles round differently.
 layout(constant_id = 0) const float DEPTH_LIFT = 1.0;
 
-layout(scalar, binding = 4) readonly buffer View { FrameView view; };
+layout(scalar, binding = 4) uniform View { FrameView view; };
 layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(scalar, binding = 5) readonly buffer DrawnPositions { DrawnVertex drawn_positions[]; };
 

@@ -1,12 +1,13 @@
 #version 460
 // The air between the eye and whatever it sees, or space and the sun's disc where it sees nothing.
+#define SHADING_IS_UNIFORM
 #include "eye_air.glsl"
 #include "skylight.glsl"
 #include "clouds.glsl"
 
 layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D water;
-layout(scalar, binding = 3) readonly buffer View { FrameView view; };
+layout(scalar, binding = 3) uniform View { FrameView view; };
 layout(binding = 4) uniform sampler2D ground;
 
 // What lies before a pixel: nothing, clear air (1), or clouds, too (2).

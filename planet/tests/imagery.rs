@@ -90,7 +90,7 @@ fn a_map_of_the_planet_colours_the_places_that_it_shows() {
 
 #[test]
 fn a_map_closes_at_the_date_line_and_at_the_poles() {
-    let stripes = |c: u32, _: u32| if c % 2 == 0 { [250, 250, 250] } else { [10, 10, 10] };
+    let stripes = |c: u32, _: u32| if c.is_multiple_of(2) { [250, 250, 250] } else { [10, 10, 10] };
     let terrain = pictured("", png([64, 32], stripes));
     // The first column is bright, the last one dark; between them the colour passes through the middle of light.
     let across: Vec<i32> = (-60..=60).map(|k| colour(&terrain, 0.0, 180.0 + f64::from(k) * 0.1)[0]).collect();

@@ -135,8 +135,8 @@ impl FrameBuffers {
 impl Inputs {
     fn new(context: &Arc<Context>) -> Result<Inputs> {
         Ok(Inputs {
-            view: upload(context, "view", bytes_of::<FrameView>())?,
-            shading: upload(context, "shading", bytes_of::<Shading>())?,
+            view: block(context, "view", bytes_of::<FrameView>())?,
+            shading: block(context, "shading", bytes_of::<Shading>())?,
             reset: upload(context, "emit reset", bytes_of::<EmitState>())?,
             patches: upload(context, "patches", 4096)?,
             tasks: MeshTasks {
@@ -188,6 +188,11 @@ fn bytes_of<T>() -> u64 {
 
 fn upload(context: &Arc<Context>, name: &str, bytes: u64) -> Result<Buffer> {
     Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER, Memory::Upload)
+}
+
+/// A block of values that shaders read as storage or, where pixels do, as uniforms.
+fn block(context: &Arc<Context>, name: &str, bytes: u64) -> Result<Buffer> {
+    Buffer::new(context, name, bytes, Usage::STORAGE_BUFFER | Usage::UNIFORM_BUFFER, Memory::Upload)
 }
 
 fn storage(context: &Arc<Context>, name: &str, bytes: u64) -> Result<Buffer> {

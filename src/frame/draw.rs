@@ -103,7 +103,7 @@ fn draw_mesh(commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
 /// What the vertex shader reads.
 fn geometry(buffers: &FrameBuffers) -> [(&'static str, Resource<'_>); 3] {
     [
-        ("View", Resource::Storage(buffers.view())),
+        ("View", Resource::Uniform(buffers.view())),
         ("Patches", Resource::Storage(buffers.patches())),
         ("DrawnPositions", Resource::Storage(&buffers.drawn_positions)),
     ]

@@ -72,7 +72,7 @@ impl EdgeShapes {
     ) -> Result<()> {
         let EdgeBuffers { bits, notes } = buffers;
         let (words, height) = (edges.size().0 / WORD, edges.size().1);
-        let shading = ("ShadingBlock", Resource::Storage(surfaces.shading));
+        let shading = ("ShadingBlock", Resource::Uniform(surfaces.shading));
         let depth = ("depth", Resource::Sampled(surfaces.depth, surfaces.nearest));
         let ground = ("ground", Resource::Sampled(surfaces.ground, surfaces.nearest));
         let found = ("EdgeBits", Resource::Storage(bits));

@@ -31,7 +31,7 @@ impl Ocean {
         let (targets, air, clouds) = (shared.targets, shared.air, shared.scene.clouds());
         let water = targets.water.view();
         let own = [shared.shading(), shared.pixels("depth", ground.depth), shared.pixels("ground", ground.color)];
-        let view = [("View", Resource::Storage(shared.buffers.view())), shared.pixels("edges", ground.edges)];
+        let view = [("View", Resource::Uniform(shared.buffers.view())), shared.pixels("edges", ground.edges)];
         commands.ready(&[ground.depth, ground.color, ground.edges].map(|view| view.to(Access::Sampled)))?;
         classes::begin(commands, water, targets.classes.view(), false)?;
         let classify = &self.classify[usize::from(shared.has_clouds()) + 2 * usize::from(shared.has_space())];

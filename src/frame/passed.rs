@@ -28,7 +28,7 @@ pub(super) struct Shared<'a> {
 impl<'a> Shared<'a> {
     /// The shading, as shaders bind it.
     pub(super) fn shading(&self) -> (&'static str, Resource<'a>) {
-        ("ShadingBlock", Resource::Storage(self.buffers.shading()))
+        ("ShadingBlock", Resource::Uniform(self.buffers.shading()))
     }
 
     /// Whether the planet has a sea.

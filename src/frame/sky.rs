@@ -37,7 +37,7 @@ impl Sky {
         commands.ready(&[ground.depth, ground.color, water].map(|view| view.to(Access::Sampled)))?;
         let own = [
             shared.shading(),
-            ("View", Resource::Storage(shared.buffers.view())),
+            ("View", Resource::Uniform(shared.buffers.view())),
             shared.pixels("depth", ground.depth),
             shared.pixels("ground", ground.color),
             shared.pixels("water", water),

@@ -78,6 +78,6 @@ mod tests {
             let (found, expected) = (f64::from(metres[row * size[0] + column]), degrees * degree);
             assert!((found - expected).abs() < 0.3 * degree, "{column}, {row}: {found} m, expected {expected} m");
         }
-        assert!(distances(&vec![false; 32], [8, 4], radius, 5e5).iter().all(|&m| m > 0.0), "no sea, no coast");
+        assert!(distances(&[false; 32], [8, 4], radius, 5e5).iter().all(|&m| m > 0.0), "no sea, no coast");
     }
 }
