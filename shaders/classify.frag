@@ -1,6 +1,5 @@
 #version 460
 // What each pixel shows, as a depth that later passes test against; and the ground as it is seen where no sea lies over it.
-#define SHADING_IS_UNIFORM
 #include "clouds.glsl"
 #include "classes.glsl"
 

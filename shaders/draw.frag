@@ -1,6 +1,5 @@
 #version 460
 // Ground: normals and albedo from per-patch textures, never from the triangles, lit by the sun and the sky.
-#define SHADING_IS_UNIFORM
 #include "frame.glsl"
 #include "skylight.glsl"
 #include "clouds.glsl"

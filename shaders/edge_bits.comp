@@ -3,7 +3,6 @@
 //
 // Reversed depth is affine over a plane in the picture, so depth that goes on at the rate at which it changes on either side is one
 // surface, however grazing. Sky, sea and ground are told apart before depth is compared.
-#define SHADING_IS_UNIFORM
 #include "shading.glsl"
 #include "edge_planes.glsl"
 

@@ -1,6 +1,5 @@
 #version 460
 // Edges at one sample a pixel, first part: which pixels show the sky, and which the sea. An invocation looks at 32 pixels of a row.
-#define SHADING_IS_UNIFORM
 #include "shading.glsl"
 #include "edge_planes.glsl"
 

@@ -2,7 +2,6 @@
 // Edges at one sample a pixel, second half: how much of each pixel the other surface covers, from the shape of the edge: morphological
 // anti-aliasing (Reshetov 2009). An edge between two rows (or columns) runs straight until it steps to the next one; where it steps the
 // outline passes half a pixel beside it, so the outline is known along the whole run. An invocation writes 32 pixels of a row.
-#define SHADING_IS_UNIFORM
 #include "shading.glsl"
 #include "edges.glsl"
 #include "edge_planes.glsl"

@@ -1,7 +1,6 @@
 #version 460
 // A further factor on exposure, from the histogram of luminance: the mean of the brighter half of what is not black, without the brightest
 // fiftieth, which is sun and glints.
-#define SHADING_IS_UNIFORM
 #include "shading.glsl"
 #include "metering.glsl"
 

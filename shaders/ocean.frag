@@ -2,7 +2,6 @@
 // The sea: the sphere at sea level, met by every view ray in closed form; waves in its normals, what a pixel cannot resolve of them as
 // roughness, so that glitter widens with distance. Whether ground is under water comes from its
 // texture and not from the mesh, which may be coarser than the water is deep, so that coasts are sharp at every altitude.
-#define SHADING_IS_UNIFORM
 #include "mirrored_sky.glsl"
 #include "skylight.glsl"
 #include "clouds.glsl"

@@ -1,6 +1,5 @@
 #version 460
 // The air between the eye and whatever it sees, or space and the sun's disc where it sees nothing.
-#define SHADING_IS_UNIFORM
 #include "eye_air.glsl"
 #include "skylight.glsl"
 #include "clouds.glsl"

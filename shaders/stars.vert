@@ -1,7 +1,6 @@
 #version 460
 // Stars: a quad each, over the sky. A catalogue made of hashes: positions without order, magnitudes as many as there are to the
 // naked eye (ten to the power of 0.51 more with each, 9,000 down to 6.5), colours of black bodies of 3,300 to 20,000 K.
-#define SHADING_IS_UNIFORM
 #include "eye_air.glsl"
 #include "clouds.glsl"
 

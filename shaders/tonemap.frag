@@ -5,7 +5,6 @@
 // The usual curve is an S about middle grey on the luminance, so that hues stay, and then the shoulder of PBR Neutral (Khronos 2024) on
 // the brightest channel, in which colours pale towards white instead of turning to another hue. The other is that of AgX (Sobotka 2022)
 // in Wrensch's fit, whose result is encoded already. Its contrast and saturation are about those of its look "punchy".
-#define SHADING_IS_UNIFORM
 #include "shading.glsl"
 #include "edges.glsl"
 

@@ -5,13 +5,8 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "layout.glsl"
 
-// Where SHADING_IS_UNIFORM is defined it is a uniform block: software renderers read these once for a group of pixels, and storage
-// blocks once for each pixel and use.
-#ifdef SHADING_IS_UNIFORM
+// A uniform block: software renderers read these once for a group of pixels, and storage blocks once for each pixel and use.
 layout(scalar, binding = 0) uniform ShadingBlock { Shading shading; };
-#else
-layout(scalar, binding = 0) readonly buffer ShadingBlock { Shading shading; };
-#endif
 
 const float PI = 3.14159265;
 

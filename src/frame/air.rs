@@ -114,7 +114,7 @@ impl Air {
     }
 
     fn record_lasting(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
-        let shading = ("ShadingBlock", Resource::Storage(buffers.shading()));
+        let shading = ("ShadingBlock", Resource::Uniform(buffers.shading()));
         let pipelines = &self.pipelines;
         self.fill(commands, &pipelines.transmittance, &[("table", &self.transmittance)], &[shading])?;
         let [transmittance, _] = self.light();
@@ -124,7 +124,7 @@ impl Air {
     }
 
     fn record_eye(&self, commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
-        let shading = ("ShadingBlock", Resource::Storage(buffers.shading()));
+        let shading = ("ShadingBlock", Resource::Uniform(buffers.shading()));
         let pipelines = &self.pipelines;
         let [nodes, levels, densities] = &self.nodes;
         let by_row = [("columns", &self.columns), ("nodes", nodes), ("levels", levels), ("densities", densities)];
