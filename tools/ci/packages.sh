@@ -15,9 +15,6 @@ needed() {
     done
     if [ "$purpose" = test ]; then
         echo "vulkan-validationlayers validation, which every test runs under"
-        echo "nodejs runs Khronos's validator of glTF in a test"
-        echo "gdal-bin reads our rasters in a test"
-        echo "npm fetches that validator"
         echo "xvfb a display for the tests of windows"
         echo "xdotool key presses for the tests of windows"
     fi
