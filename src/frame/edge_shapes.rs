@@ -173,7 +173,7 @@ mod tests {
                 ..Shading::default()
             };
             let mut block =
-                Buffer::new(context, "shading", size_of::<Shading>() as u64, Usage::STORAGE_BUFFER, Memory::Upload).unwrap();
+                Buffer::new(context, "shading", size_of::<Shading>() as u64, Usage::UNIFORM_BUFFER, Memory::Upload).unwrap();
             block.write(0, &[shading]).unwrap();
             let nearest = SamplerDescription { filter: vk::Filter::NEAREST, ..SamplerDescription::default() };
             let nearest = Sampler::new(context, "nearest", &nearest).unwrap();
