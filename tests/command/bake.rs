@@ -146,7 +146,7 @@ fn failures_say_what_and_where_and_exit_with_one() {
             "no recipe nosuch (shipped recipes: terra, luna, mars, tiny, jacksboro, earth)",
         ),
         (["bake", "bad.toml", "--out", "x.planet"], "radius_m"),
-        (["bake", "RECIPE", "--out", "no/such/folder/x.planet"], "no/such/folder/x.planet: cannot create the planet file"),
+        (["bake", "RECIPE", "--out", "no/such/folder/x.planet"], "cannot write no/such/folder/x.planet"),
         (["bake", "RECIPE", "--out", "notes.planet"], "found a text file"),
         (["bake", "RECIPE", "--out", "."], "cannot read the planet file"),
     ];

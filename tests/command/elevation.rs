@@ -35,7 +35,9 @@ fn read_obj(path: &Path) -> (Vec<[f64; 3]>, Vec<[usize; 3]>) {
         let numbers: Vec<f64> = line.split_whitespace().map(|w| w.split('/').next().unwrap().parse().unwrap()).collect();
         numbers[..3].try_into().unwrap()
     };
-    (words("v ").map(three).collect(), words("f ").map(|line| three(line).map(|v| v as usize - 1)).collect())
+    // The file is Y-up: east, up, south.
+    let turned = |[x, y, z]: [f64; 3]| [x, -z, y];
+    (words("v ").map(|line| turned(three(line))).collect(), words("f ").map(|line| three(line).map(|v| v as usize - 1)).collect())
 }
 
 /// Extent of the vertices east, north and up.

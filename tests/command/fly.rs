@@ -210,11 +210,11 @@ fn a_path_is_played_with_fewer_pixels_than_it_ends_with_and_then_nothing_is_draw
             r#"{{"time_s": {time}, "latitude": 10, "longitude": {time}, "altitude_m": {altitude}, "heading": 0, "pitch": -60, "fov": 50}}"#
         )
     };
-    std::fs::write(&path, format!("[{}, {}]", keyframe(0.0, 9000.0), keyframe(3.0, 2000.0))).unwrap();
+    std::fs::write(&path, format!("[{}, {}]", keyframe(0.0, 9000.0), keyframe(8.0, 2000.0))).unwrap();
     let mut command = terrane(&["fly", "--validate", "--size", "320x240", "--stored-only", "--frame-ms", "1", "--path"]);
     command.arg(&path).arg("--report").arg(&report).arg(&planet).env("DISPLAY", &display);
     let mut flight = Owned(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
-    // It flies for three seconds and stands for five: the last two of them are still, once exposure has adapted.
+    // It flies for eight seconds and stands for five: the last two of them are still, once exposure has adapted.
     let mut taken = vec![0];
     while flight.0.try_wait().unwrap().is_none() {
         taken.push(ticks(flight.0.id()));
