@@ -148,7 +148,7 @@ fn failures_say_what_and_where_and_exit_with_one() {
         (["bake", "bad.toml", "--out", "x.planet"], "radius_m"),
         (["bake", "RECIPE", "--out", "no/such/folder/x.planet"], "cannot write no/such/folder/x.planet"),
         (["bake", "RECIPE", "--out", "notes.planet"], "found a text file"),
-        (["bake", "RECIPE", "--out", "."], "cannot read the planet file"),
+        (["bake", "RECIPE", "--out", "."], "it is a folder; name a file in it"),
     ];
     let tiny = recipe().canonicalize().unwrap();
     for (arguments, message) in cases {
