@@ -4,7 +4,7 @@
 use std::f64::consts::PI;
 use terrane_heightfield::angles::sin_cos;
 
-/// Metres to the coast, positive on land; `most_m` where no coast is as near.
+/// Metres to the coast, positive on land; `most_m` (negative on water) where no coast is as near.
 pub(super) fn distances(water: &[bool], size: [usize; 2], radius: f64, most_m: f32) -> Vec<f32> {
     let to = |kind: bool| {
         let mut metres: Vec<f32> = water.iter().map(|&w| if w == kind { 0.0 } else { most_m }).collect();
@@ -19,8 +19,9 @@ pub(super) fn distances(water: &[bool], size: [usize; 2], radius: f64, most_m: f
     };
     // The coast runs between samples.
     let half = (0.5 * PI * radius / size[1] as f64) as f32;
+    let from_coast = |to_other: f32| if to_other < most_m { to_other - half } else { most_m };
     let (to_water, to_land) = (to(true), to(false));
-    let signed = |((&water, to_water), to_land): ((&bool, f32), f32)| if water { half - to_land } else { to_water - half };
+    let signed = |((&water, to_water), to_land): ((&bool, f32), f32)| if water { -from_coast(to_land) } else { from_coast(to_water) };
     water.iter().zip(to_water).zip(to_land).map(signed).collect()
 }
 
@@ -78,6 +79,7 @@ mod tests {
             let (found, expected) = (f64::from(metres[row * size[0] + column]), degrees * degree);
             assert!((found - expected).abs() < 0.3 * degree, "{column}, {row}: {found} m, expected {expected} m");
         }
-        assert!(distances(&[false; 32], [8, 4], radius, 5e5).iter().all(|&m| m > 0.0), "no sea, no coast");
+        assert!(distances(&[false; 32], [8, 4], radius, 5e5).iter().all(|&m| m == 5e5), "no sea, no coast");
+        assert!(distances(&[true; 32], [8, 4], radius, 5e5).iter().all(|&m| m == -5e5), "no land, no coast");
     }
 }
