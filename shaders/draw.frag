@@ -4,7 +4,6 @@
 #include "skylight.glsl"
 #include "clouds.glsl"
 
-layout(scalar, binding = 1) readonly buffer Patches { PatchDraw patches[]; };
 layout(binding = 2) uniform sampler2DArray slopes;
 layout(binding = 3) uniform sampler2DArray albedo;
 layout(binding = 6) uniform sampler2DArray relief;
@@ -12,7 +11,10 @@ layout(binding = 7) uniform sampler2DArray grain_map;
 
 layout(location = 0) in vec3 in_position;
 layout(location = 1) in vec2 in_grid;
-layout(location = 2) flat in uint in_patch;
+// See draw.vert.
+layout(location = 2) flat in uvec4 in_slots;
+layout(location = 3) flat in vec4 in_texture;
+layout(location = 4) flat in vec4 in_axis;
 layout(location = 0) out vec4 out_color;
 
 layout(scalar, binding = 4) uniform View { FrameView view; };
@@ -54,14 +56,15 @@ Ground fetch(uint slot, vec2 grid, float lod) {
 // Textures are those of the patch or of an ancestor, whichever is fine enough. They fade in over those of the next coarser patch by
 // distance, so that no switch of detail is seen. The mip level comes from distance and slant, not from screen derivatives: those differ
 // between the triangles of one surface, and show its edges.
-Ground ground_of(PatchDraw target, float distance, float slant) {
-    float lod = log2(distance / target.texel_distance) - 0.5 * log2(max(slant, 0.02));
-    vec2 at = target.texture_corner + target.texture_cell * in_grid;
-    Ground own = fetch(target.slot, at, lod);
-    float parent_share = smoothstep(FADE_FROM, 1.0, distance / target.fade_distance);
-    if (target.parent_slot != NO_SLOT && parent_share > 0.0) {
-        vec2 grid = 0.5 * (at + float(view.cells) * vec2(target.quarter));
-        Ground parent = fetch(target.parent_slot, grid, lod - 1.0);
+Ground ground_of(float distance, float slant) {
+    float lod = log2(distance / in_axis.w) - 0.5 * log2(max(slant, 0.02));
+    vec2 at = in_texture.xy + in_texture.z * in_grid;
+    Ground own = fetch(in_slots.x, at, lod);
+    float parent_share = smoothstep(FADE_FROM, 1.0, distance / in_texture.w);
+    // A loop of one turn or none: see counted_axes.
+    for (int turns = int(in_slots.y != NO_SLOT && parent_share > 0.0); turns > 0; --turns) {
+        vec2 grid = 0.5 * (at + float(view.cells) * vec2(in_slots.z & 1u, in_slots.z >> 1));
+        Ground parent = fetch(in_slots.y, grid, lod - 1.0);
         own.slope = mix(own.slope, parent.slope, parent_share);
         own.albedo = mix(own.albedo, parent.albedo, parent_share);
         own.shore = mix(own.shore, parent.shore, parent_share);
@@ -112,12 +115,11 @@ vec3 level_color(uint level) {
 }
 
 void main() {
-    PatchDraw target = patches[in_patch];
     float distance = length(in_position);
     vec3 from_centre = shading.camera + in_position;
     vec3 up = normalize(from_centre);
-    Ground ground = ground_of(target, distance, abs(dot(in_position, up)) / distance);
-    vec3 along = normalize(target.grid_axis - up * dot(target.grid_axis, up));
+    Ground ground = ground_of(distance, abs(dot(in_position, up)) / distance);
+    vec3 along = normalize(in_axis.xyz - up * dot(in_axis.xyz, up));
     vec3 normal = normalize(up - along * ground.slope.x - cross(up, along) * ground.slope.y);
     float footprint = distance * pixel_angle() * inversesqrt(max(abs(dot(in_position, normal)) / distance, 0.05));
     float wooded = wooded_share(ground.albedo);
@@ -143,7 +145,7 @@ void main() {
         return;
     }
     vec3 color = ground.albedo;
-    if (shading.mode == MODE_LEVELS) color = mix(color, level_color(target.level), 0.65);
+    if (shading.mode == MODE_LEVELS) color = mix(color, level_color(in_slots.w), 0.65);
 
     float height = length(from_centre) - shading.radius;
     float elevation = dot(up, shading.sun);

@@ -7,11 +7,12 @@ layout(local_size_x = 1) in;
 layout(scalar, binding = 0) readonly buffer PatchVertexBlock { PatchVertex patchvertex; };
 layout(scalar, binding = 1) readonly buffer PatchDrawBlock { PatchDraw patchdraw; };
 layout(scalar, binding = 2) readonly buffer DrawnVertexBlock { DrawnVertex drawnvertex; };
-layout(scalar, binding = 3) readonly buffer TaskBlock { Task task; };
-layout(scalar, binding = 4) readonly buffer FrameViewBlock { FrameView frameview; };
-layout(scalar, binding = 5) readonly buffer ShadingBlock { Shading shading; };
-layout(scalar, binding = 6) readonly buffer EmitStateBlock { EmitState emitstate; };
-layout(scalar, binding = 7) writeonly buffer Words { uint words[]; };
+layout(scalar, binding = 3) readonly buffer StarBlock { Star star; };
+layout(scalar, binding = 4) readonly buffer TaskBlock { Task task; };
+layout(scalar, binding = 5) readonly buffer FrameViewBlock { FrameView frameview; };
+layout(scalar, binding = 6) readonly buffer ShadingBlock { Shading shading; };
+layout(scalar, binding = 7) readonly buffer EmitStateBlock { EmitState emitstate; };
+layout(scalar, binding = 8) writeonly buffer Words { uint words[]; };
 
 uint bits(uint x) { return x; }
 uint bits(int x) { return uint(x); }
@@ -49,6 +50,11 @@ void main() {
     words[at++] = bits(drawnvertex.position.y);
     words[at++] = bits(drawnvertex.position.z);
     words[at++] = bits(drawnvertex.weight);
+    words[at++] = bits(star.at.x);
+    words[at++] = bits(star.at.y);
+    words[at++] = bits(star.radiance.x);
+    words[at++] = bits(star.radiance.y);
+    words[at++] = bits(star.radiance.z);
     words[at++] = bits(task.patch_number);
     words[at++] = bits(task.first);
     words[at++] = bits(task.end);

@@ -2,7 +2,7 @@
 // A star's share of a pixel: a bell whose sum over all pixels hardly depends on where between them the star is, so that stars do not
 // twinkle when the camera turns.
 
-layout(binding = 1) uniform sampler2D depth;
+layout(binding = 2) uniform sampler2D depth;
 
 layout(location = 0) in vec2 in_offset;
 layout(location = 1) flat in vec3 in_radiance;

@@ -10,7 +10,8 @@
 
 layout(binding = 1) uniform sampler2D radiance;
 layout(binding = 3) uniform sampler2D edges;
-layout(scalar, binding = 2) readonly buffer Exposure { float factor; };
+// As a uniform block, like all that every pixel reads: see shading.glsl.
+layout(scalar, binding = 2) uniform Exposure { float factor; };
 
 // Whether pixels on edges are drawn, or all without them.
 layout(constant_id = 0) const int MIXED = 0;

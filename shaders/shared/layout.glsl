@@ -32,6 +32,11 @@ struct DrawnVertex {
     float weight;
 };
 
+struct Star {
+    vec2 at;
+    vec3 radiance;
+};
+
 struct Task {
     uint patch_number;
     uint first;

@@ -5,8 +5,12 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "layout.glsl"
 
-// A uniform block: software renderers read these once for a group of pixels, and storage blocks once for each pixel and use.
-layout(scalar, binding = 0) uniform ShadingBlock { Shading shading; };
+// A uniform block: software renderers read these once for a group of pixels, and storage blocks once for each pixel and use. An array of
+// one, whose index no compiler knows: Mesa's software renderer writes uniforms that decide conditions into the shader, and compiles it
+// again for each frame in which they have changed (lavapipe's inlined uniforms), unless it cannot tell which block they are of.
+layout(push_constant) uniform First { uint first; };
+layout(scalar, binding = 0) uniform ShadingOnly { Shading only; } ShadingBlock[1];
+#define shading ShadingBlock[first].only
 
 const float PI = 3.14159265;
 

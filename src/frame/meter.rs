@@ -29,7 +29,7 @@ impl Meter {
             expose: ComputePipeline::new(context, &shaders::EXPOSE_COMP, &[])?,
             zeros,
             histogram: Buffer::new(context, "histogram", bytes, Usage::STORAGE_BUFFER, Memory::Device)?,
-            factor: Buffer::new(context, "exposure", 4, Usage::STORAGE_BUFFER, Memory::Device)?,
+            factor: Buffer::new(context, "exposure", 4, Usage::STORAGE_BUFFER | Usage::UNIFORM_BUFFER, Memory::Device)?,
         })
     }
 

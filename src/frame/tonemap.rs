@@ -31,7 +31,7 @@ impl Tonemap {
     ) -> Result<()> {
         commands.ready(&[radiance, edges].map(|view| view.to(Access::Sampled)))?;
         commands.ready(&[metered.to(Access::GraphicsRead)])?;
-        let metered = ("Exposure", Resource::Storage(metered));
+        let metered = ("Exposure", Resource::Uniform(metered));
         let resources = [shared.shading(), metered, shared.pixels("radiance", radiance), shared.pixels("edges", edges)];
         classes::begin(commands, picture, shared.targets.classes.view(), true)?;
         self.plain.draw(commands, &resources)?;

@@ -128,7 +128,7 @@ pub fn probe_words() -> Vec<(&'static str, usize)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{DrawnVertex, EmitState, FrameView, PatchDraw, PatchVertex, Shading, Task};
+    use super::super::{DrawnVertex, EmitState, FrameView, PatchDraw, PatchVertex, Shading, Star, Task};
     use super::*;
 
     #[test]
@@ -137,6 +137,7 @@ mod tests {
             size_of::<PatchVertex>(),
             size_of::<PatchDraw>(),
             size_of::<DrawnVertex>(),
+            size_of::<Star>(),
             size_of::<Task>(),
             size_of::<FrameView>(),
             size_of::<Shading>(),

@@ -90,6 +90,14 @@ gpu_structs! {
         weight: f32,
     }
 
+    /// A star in this frame's picture.
+    Star {
+        /// Where in the picture: -1 to 1 from left to right and from top to bottom; far outside if it is hidden or behind.
+        at: [f32; 2],
+        /// Radiance, if it were as wide as a pixel.
+        radiance: [f32; 3],
+    }
+
     /// A run of work of one workgroup: a patch, and which of its vertices or triangles.
     Task {
         /// Number of the patch in the table of draws.
