@@ -16,8 +16,16 @@ use glslang::{
     Target, VulkanVersion,
 };
 
-/// Put after the `#version` line of every shader, so that files need not ask for `#include` themselves.
-const INCLUDE: &str = "#extension GL_GOOGLE_include_directive : require\n#line 2\n";
+/// Put after the `#version` line of every shader, so that files need not ask for `#include` themselves, with what is true of every
+/// invocation of a stage, though no compiler knows it (see shading.glsl).
+fn preamble(stage: ShaderStage) -> String {
+    let always = match stage {
+        ShaderStage::Fragment => "gl_FragCoord.x >= 0.0",
+        ShaderStage::Vertex => "gl_VertexIndex >= 0",
+        _ => "int(gl_GlobalInvocationID.x) >= 0",
+    };
+    format!("#extension GL_GOOGLE_include_directive : require\n#define ALWAYS ({always})\n#line 2\n")
+}
 
 /// Whether shaders are compiled. Not on docs.rs, where glslang is not built: this program links there because nothing calls it then, and
 /// the documented constants hold no words.
@@ -92,7 +100,7 @@ fn compile(path: &Path, root: &Path) -> Result<Vec<u32>, String> {
     let Some((version, body)) = text.split_once('\n').filter(|(v, _)| v.starts_with("#version")) else {
         return Err(format!("{}:1: the first line must be `#version 460`", path.display()));
     };
-    let shader_source = ShaderSource::from(format!("{version}\n{INCLUDE}{body}"));
+    let shader_source = ShaderSource::from(format!("{version}\n{}{body}", preamble(stage)));
     let options = CompilerOptions {
         source_language: SourceLanguage::GLSL,
         target: Target::Vulkan { version: VulkanVersion::Vulkan1_3, spirv_version: SpirvVersion::SPIRV1_6 },

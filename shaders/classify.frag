@@ -34,7 +34,7 @@ void main() {
     vec3 direction = view_ray(in_uv);
     float stretch = length(direction);
     vec3 ray = direction / stretch;
-    bool under_water = (stored <= 0.0 || ground_color.a < 0.0) && !is_diagram(shading.mode);
+    bool under_water = (stored <= 0.0 || ground_color.a < 0.0) && !draws_diagram();
     float sea = under_water ? distance_to_sea(ray) : -1.0;
     float end = sea > 0.0 ? sea : stored > 0.0 ? view.near / stored * stretch : 1e30;
     int code = sea > 0.0 ? CLASS_SEA : CLASS_DRY;

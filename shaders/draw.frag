@@ -131,21 +131,21 @@ void main() {
     normal = normalize(normal - (gradient - normal * dot(gradient, normal)));
     ground.albedo *= max(1.0 + 0.8 * roughness * bare.w + CROWN_SHADE * crowns.w, 0.15);
 
-    if (shading.mode == MODE_NORMALS) {
+    if (mode_is(MODE_NORMALS)) {
         out_color = vec4(0.5 + 0.5 * normal, 1.0);
         return;
     }
-    if (shading.mode == MODE_ALBEDO) {
+    if (mode_is(MODE_ALBEDO)) {
         out_color = vec4(ground.albedo, 1.0);
         return;
     }
-    if (shading.mode == MODE_DEPTH) {
+    if (mode_is(MODE_DEPTH)) {
         // 1 m to 100,000 km, near is bright.
         out_color = vec4(vec3(clamp(1.0 - log2(max(distance, 1.0)) / 26.6, 0.0, 1.0)), 1.0);
         return;
     }
     vec3 color = ground.albedo;
-    if (shading.mode == MODE_LEVELS) color = mix(color, level_color(in_slots.w), 0.65);
+    if (mode_is(MODE_LEVELS)) color = mix(color, level_color(in_slots.w), 0.65);
 
     float height = length(from_centre) - shading.radius;
     float elevation = dot(up, shading.sun);

@@ -15,7 +15,7 @@ void main() {
     uint sky = 0u, sea = 0u;
     for (int k = 0; k < last; ++k) sky |= uint(texelFetch(depth, ivec2(32 * word + k, row), 0).r <= 0.0) << k;
     // Loops in place of conditions: software renderers run the bodies of all conditions.
-    bool has_sea = shading.sea_level > NO_SEA && shading.height_m > shading.sea_level && !is_diagram(shading.mode);
+    bool has_sea = decided_late(shading.sea_level > NO_SEA) && decided_late(shading.height_m > shading.sea_level) && !draws_diagram();
     for (int k = has_sea && sky != ~0u ? 0 : last; k < last; ++k) {
         sea |= uint(texelFetch(ground, ivec2(32 * word + k, row), 0).a < 0.0) << k;
     }

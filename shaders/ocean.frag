@@ -71,7 +71,7 @@ float glitter(vec3 ray, vec3 up, vec3 slopes, float variance) {
 void main() {
     vec4 ground_color = texelFetch(ground, ivec2(gl_FragCoord.xy), 0);
     out_color = vec4(ground_color.rgb, 1.0);
-    if (shading.sea_level <= NO_SEA || is_diagram(shading.mode)) return;
+    if (decided_late(shading.sea_level <= NO_SEA) || draws_diagram()) return;
     bool is_ground = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r > 0.0;
     if (is_ground && ground_color.a >= 0.0) return;
 

@@ -54,7 +54,7 @@ vec4 cloud_light(vec3 ray, float t) {
     if (here <= 0.0) return vec4(0.0, 0.0, 0.0, 1.0);
     vec3 sun = sun_irradiance(shading.cloud_height, elevation), sky = sky_irradiance(shading.cloud_height, elevation);
     float depth = shading.cloud_depth * here, level = max(elevation, 0.0), thrown_back = cloud_reflectance(depth / cosine);
-    if (shading.height_m > shading.cloud_height) {
+    if (is_above_clouds()) {
         // Heaps are bright on the side of the sun.
         vec3 sunward = shading.sun - up * elevation;
         float across = length(sunward), step_m = max(1.5 * footprint, 6000.0);
@@ -88,7 +88,7 @@ void add_clouds(vec3 ray, float end, Air air, inout vec3 color, inout float cove
 void main() {
     vec4 ground_color = texelFetch(water, ivec2(gl_FragCoord.xy), 0);
     float stored = texelFetch(depth, ivec2(gl_FragCoord.xy), 0).r;
-    if (is_diagram(shading.mode)) {
+    if (draws_diagram()) {
         out_color = vec4(ground_color.rgb, stored > 0.0 ? 1.0 : 0.0);
         return;
     }

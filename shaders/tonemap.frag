@@ -56,23 +56,23 @@ vec3 encode_srgb(vec3 x) {
 
 vec3 shown_at(ivec2 pixel) {
     vec3 color = texelFetch(radiance, pixel, 0).rgb;
-    if (is_plain(shading.mode)) return color;
-    if (shading.mode == MODE_ALBEDO) return encode_srgb(clamp(color, 0.0, 1.0));
-    float exposure = shading.adaptation < 0.0 ? shading.exposure : shading.exposure * factor;
-    return shading.tone == TONE_AGX ? agx(color * exposure) : encode_srgb(neutral(color * exposure));
+    if (draws_plainly()) return color;
+    if (mode_is(MODE_ALBEDO)) return encode_srgb(clamp(color, 0.0, 1.0));
+    float exposure = decided_late(shading.adaptation < 0.0) ? shading.exposure : shading.exposure * factor;
+    return decided_late(shading.tone == TONE_AGX) ? agx(color * exposure) : encode_srgb(neutral(color * exposure));
 }
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     vec3 shown = shown_at(pixel);
-    if (MIXED == 1 && !is_plain(shading.mode)) {
+    if (MIXED == 1 && !draws_plainly()) {
         float share;
         ivec2 neighbour;
         decode_edge(texelFetch(edges, pixel, 0).r, share, neighbour);
         // Mixed as encoded: so edges look equally wide on both sides.
         shown = mix(shown, shown_at(clamp(pixel + neighbour, ivec2(0), textureSize(radiance, 0) - 1)), share);
     }
-    if (is_plain(shading.mode)) {
+    if (draws_plainly()) {
         out_color = vec4(shown, 1.0);
         return;
     }

@@ -33,7 +33,7 @@ float thickness() { return shading.air_top - shading.air_bottom; }
 
 // The eye's height, or the air's upper edge where it is above.
 float eye_height() { return clamp(shading.height_m - shading.air_bottom, 0.0, thickness()); }
-bool is_outside() { return shading.height_m > shading.air_top; }
+bool is_outside() { return decided_late(shading.height_m > shading.air_top); }
 
 // Whether a view ray meets any air.
 bool meets_air(vec3 ray) {

@@ -21,7 +21,8 @@ const float DETAIL_MOST = 0.14;
 // Optical depth at which a sheet reflects half the light: 2 / (1 - g), for drops that scatter forwards with g = 0.8 (two-stream).
 const float HALF_REFLECTED = 10.0;
 
-bool has_clouds() { return shading.cloud_depth > 0.0 && !is_diagram(shading.mode); }
+bool has_clouds() { return decided_late(shading.cloud_depth > 0.0) && !draws_diagram(); }
+bool is_above_clouds() { return decided_late(shading.height_m > shading.cloud_height); }
 
 // Where a direction lies in the map, an octahedron unfolded (Cigolle et al. 2014). The outermost texels lie on its edges.
 vec2 octahedral(vec3 direction) {
@@ -69,7 +70,7 @@ float cloudiness_coarse(vec3 direction, float footprint) {
 // Where a view ray meets the sheet first; negative if it does not.
 float distance_to_clouds(vec3 ray) {
     vec2 hits = through_shell(ray, shading.cloud_height);
-    float t = shading.height_m > shading.cloud_height ? hits.x : hits.y;
+    float t = is_above_clouds() ? hits.x : hits.y;
     return hits.x < hits.y && t > 0.0 ? t : -1.0;
 }
 

@@ -5,19 +5,23 @@
 #extension GL_EXT_scalar_block_layout : require
 #include "layout.glsl"
 
-// A uniform block: software renderers read these once for a group of pixels, and storage blocks once for each pixel and use. An array of
-// one, whose index no compiler knows: Mesa's software renderer writes uniforms that decide conditions into the shader, and compiles it
-// again for each frame in which they have changed (lavapipe's inlined uniforms), unless it cannot tell which block they are of.
-layout(push_constant) uniform First { uint first; };
-layout(scalar, binding = 0) uniform ShadingOnly { Shading only; } ShadingBlock[1];
-#define shading ShadingBlock[first].only
+// A uniform block: software renderers read these once for a group of pixels, and storage blocks once for each pixel and use.
+layout(scalar, binding = 0) uniform ShadingBlock { Shading shading; };
+
+// A condition on uniforms alone. Mesa's software renderer writes uniforms that conditions depend on into the shader as constants, and so
+// compiles it again for every frame (lavapipe's inlined uniforms), unless something else counts, too; `&&` would be a condition of its own.
+bool decided_late(bool condition) { return all(bvec2(condition, ALWAYS)); }
 
 const float PI = 3.14159265;
 
-bool has_air() { return shading.scale_height > 0.0; }
+bool has_air() { return decided_late(shading.scale_height > 0.0); }
+
+bool mode_is(uint mode) { return decided_late(shading.mode == mode); }
+bool draws_diagram() { return mode_is(MODE_NORMALS) || mode_is(MODE_ALBEDO) || mode_is(MODE_DEPTH); }
+bool draws_plainly() { return decided_late(is_plain(shading.mode)); }
 
 // Whether the camera is so far away that the squares of its distance and of the planet's radius cannot be compared.
-bool is_afar() { return shading.height_m > shading.radius; }
+bool is_afar() { return decided_late(shading.height_m > shading.radius); }
 
 // Where a ray from the camera enters and leaves the ball of a radius `above` metres over the datum; x > y if it misses.
 vec2 through_shell(vec3 ray, float above) {
@@ -41,7 +45,7 @@ vec2 through_shell(vec3 ray, float above) {
 
 // Distance to the sea along a view ray; negative if it does not meet the sea's surface from above.
 float distance_to_sea(vec3 ray) {
-    if (shading.sea_level <= NO_SEA || shading.height_m <= shading.sea_level) return -1.0;
+    if (decided_late(shading.sea_level <= NO_SEA) || decided_late(shading.height_m <= shading.sea_level)) return -1.0;
     vec2 hits = through_shell(ray, shading.sea_level);
     return hits.x < hits.y && hits.y > 0.0 ? hits.x : -1.0;
 }

@@ -70,7 +70,7 @@ impl Commands {
         Ok(result)
     }
 
-    /// Makes a pipeline current and gives it its resources, every binding by its name. Its push constants are 0 until they are set.
+    /// Makes a pipeline current and gives it its resources, every binding by its name.
     ///
     /// # Errors
     /// A binding that is missing, unknown, given twice or of the wrong kind.
@@ -86,9 +86,6 @@ impl Commands {
         }
         self.kept.push(raw.clone());
         self.bound = Some(raw.clone());
-        if raw.push_constant_bytes > 0 {
-            self.push_bytes(commands, raw, &vec![0; raw.push_constant_bytes as usize]);
-        }
         Ok(())
     }
 
@@ -110,15 +107,12 @@ impl Commands {
                 problem: format!("{} bytes were given, it takes {expected}", bytes.len()),
             });
         }
-        self.push_bytes(commands, pipeline, bytes);
-        Ok(())
-    }
-
-    /// Sets the push constants of a pipeline that takes so many.
-    fn push_bytes(&self, commands: vk::CommandBuffer, pipeline: &RawPipeline, bytes: &[u8]) {
         let (layout, stages) = (pipeline.layout, pipeline.stages);
         // SAFETY: the commands are recording, the layout is alive and takes these bytes.
-        unsafe { self.context.device().cmd_push_constants(commands, layout, stages, 0, bytes) };
+        unsafe {
+            self.context.device().cmd_push_constants(commands, layout, stages, 0, bytes);
+        }
+        Ok(())
     }
 
     /// Runs the bound compute pipeline on so many workgroups.

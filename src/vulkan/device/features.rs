@@ -92,10 +92,6 @@ struct Required {
 const REQUIRED: &[Required] = &[
     Required { name: "fullDrawIndexUint32", field: |f| &mut f.v10.full_draw_index_uint32 },
     Required { name: "fillModeNonSolid", field: |f| &mut f.v10.fill_mode_non_solid },
-    Required {
-        name: "shaderUniformBufferArrayDynamicIndexing",
-        field: |f| &mut f.v10.shader_uniform_buffer_array_dynamic_indexing,
-    },
     Required { name: "bufferDeviceAddress", field: |f| &mut f.v12.buffer_device_address },
     Required { name: "scalarBlockLayout", field: |f| &mut f.v12.scalar_block_layout },
     Required { name: "dynamicRendering", field: |f| &mut f.v13.dynamic_rendering },
