@@ -2,7 +2,7 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use crate::common::{device, terrane, text};
+use crate::common::{command, device, skipped, terrane, text};
 use std::path::{Path, PathBuf};
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
@@ -190,4 +190,37 @@ fn comparisons_bring_every_method_to_the_same_error() {
         assert!(text(&output.stdout).contains(row["variant"].as_str().unwrap()));
     }
     assert_eq!(rows[0]["ours_over_this"], 1.0);
+}
+
+/// Mesa's software renderer keeps each shader that it compiles in its cache: a frame that compiles anew leaves something there.
+#[test]
+fn no_frame_compiles_a_shader_that_an_earlier_frame_had() {
+    let Some(device) = device() else { return };
+    if !device.contains("llvmpipe") {
+        return skipped(&format!("{device} has no cache that could be counted"));
+    }
+    let folder = tempfile::tempdir().unwrap();
+    planet_in(folder.path());
+    let keyframe = |time: u32, altitude: f64| {
+        format!(
+            r#"{{"time_s": {time}, "latitude": 10, "longitude": 20, "altitude_m": {altitude}, "heading": 30, "pitch": -10, "fov": 50}}"#
+        )
+    };
+    std::fs::write(folder.path().join("climb.json"), format!("[{}, {}]", keyframe(0, 900.0), keyframe(10, 1100.0))).unwrap();
+    let compiled = |frames: &str| {
+        let cache = folder.path().join(format!("shaders of {frames}"));
+        let arguments = ["bench", "tiny.planet", "--path", "climb.json", "--size", "64x48", "--frames", frames];
+        let output = command(&arguments).current_dir(folder.path()).env("MESA_SHADER_CACHE_DIR", &cache).output().unwrap();
+        assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
+        files_in(&cache)
+    };
+    let (two, eight) = (compiled("2"), compiled("8"));
+    assert!(two > 10, "no cache: {two} files");
+    // Six frames that compile what conditions depend on leave sixty.
+    assert!(eight < two + 6, "{two} files after two frames, {eight} after eight");
+}
+
+fn files_in(folder: &Path) -> usize {
+    let entries = std::fs::read_dir(folder).map(|entries| entries.filter_map(Result::ok).collect::<Vec<_>>()).unwrap_or_default();
+    entries.iter().map(|entry| if entry.path().is_dir() { files_in(&entry.path()) } else { 1 }).sum()
 }
