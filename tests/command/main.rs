@@ -9,6 +9,7 @@ mod bake;
 mod edit;
 mod elevation;
 mod gallery;
+mod georeference;
 mod gltf;
 mod gpu;
 mod look;

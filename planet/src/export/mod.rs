@@ -13,6 +13,7 @@ pub mod glb;
 mod model;
 mod normals;
 pub mod obj;
+mod origin;
 mod placed;
 pub mod ply;
 pub mod raster;
@@ -23,5 +24,6 @@ pub mod three_mf;
 
 pub use format::{ExportError, Format, Up, EXTENSIONS};
 pub use model::{Model, Picture};
+pub use origin::{Origin, Sidecar};
 pub use placed::{origin_near, Placed};
 pub use surface::{view_surface, Welded};

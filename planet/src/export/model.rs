@@ -1,7 +1,8 @@
 //! What encoders know of a mesh: triangles in metres, and what a file says about them.
 
+use super::origin::sidecar;
 use super::solid::{self, Floor};
-use super::{glb, normals, obj, ply, stl, three_mf, ExportError, Format, Up};
+use super::{glb, normals, obj, ply, stl, three_mf, ExportError, Format, Origin, Sidecar, Up};
 use glam::DVec3;
 use serde_json::json;
 use std::borrow::Cow;
@@ -46,6 +47,8 @@ pub struct Model<'a> {
     pub(super) axes: [&'static str; 2],
     /// Where the origin is, for people.
     pub(super) provenance: String,
+    /// Where it is in a coordinate system.
+    pub(super) origin: Option<Origin>,
     /// Decimals that every coordinate fits into; without it as many as it takes to read the same number back.
     pub(super) decimals: Option<usize>,
     /// Where GLB files put the origin.
@@ -67,6 +70,7 @@ impl<'a> Model<'a> {
             quantized: false,
             axes: ["metres, +X east, +Y up, -Z north", "metres, +X east, +Y north, +Z up"],
             provenance: format!("origin at the south-west sample, samples {} m apart east and {} m north", scale.x, scale.y),
+            origin: None,
             decimals: None,
             translation: DVec3::ZERO,
             extras: json!({ "axes": "east, north, up (x, y, z) is glTF (x, z, -y)" }),
@@ -98,6 +102,19 @@ impl<'a> Model<'a> {
         self.uvs = surface.positions.iter().map(place).collect();
         self.albedo = Some(picture);
         self
+    }
+
+    /// The same with its place in a coordinate system, which every file but STL states.
+    pub fn with_origin(mut self, origin: Origin) -> Model<'a> {
+        self.provenance = format!("{}, at {}", self.provenance, origin.words());
+        self.origin = Some(origin);
+        self
+    }
+
+    /// What the files beside a mesh say.
+    pub fn sidecar(&self, format: Format, up: Up) -> Sidecar {
+        let is_moved = format == Format::Glb && self.translation != DVec3::ZERO;
+        sidecar(self.origin.as_ref(), self.axes(up), up, is_moved)
     }
 
     /// The same with 16 bits a number in GLB files.

@@ -1,7 +1,7 @@
 //! A planet's welded surface, and the point that its coordinates start from.
 
 use super::solid::Floor;
-use super::{normals, obj, ExportError, Format, Model, Up, Welded};
+use super::{normals, obj, ExportError, Format, Model, Origin, Up, Welded};
 use crate::globe::lattice::Lattice;
 use crate::ground::Ground;
 use glam::{DVec3, IVec3};
@@ -22,6 +22,11 @@ impl<'a> Placed<'a> {
     /// A vertex in metres from the origin. Exact: differences have 32 bits, and the unit is a power of two.
     pub fn metres(&self, position: IVec3) -> DVec3 {
         (position.as_dvec3() - self.origin.as_dvec3()) * self.lattice.unit
+    }
+
+    /// Where the origin lies on the planet.
+    pub fn origin(&self) -> Origin {
+        Origin::of_planet(self.lattice.radius * self.lattice.unit, self.origin.as_dvec3() * self.lattice.unit)
     }
 
     /// Largest coordinate in metres, by magnitude.
@@ -53,6 +58,7 @@ impl<'a> Placed<'a> {
                 "planet-fixed metres, +Z north, +X longitude 0",
             ],
             provenance: format!("origin at lattice {x} {y} {z} from the planet's centre, lattice unit {unit} m"),
+            origin: Some(self.origin()),
             decimals: Some(obj::decimals(unit)),
             translation: self.origin.as_dvec3() * unit,
             extras: json!({ "origin_lattice": [x, y, z], "unit_m": unit, "axes": "planet (x, y, z) is glTF (x, z, -y)" }),

@@ -1,6 +1,6 @@
 //! `terrane mesh`: the triangles of a view, for other programs.
 
-use super::exporting::ExportOptions;
+use super::exporting::{write_sidecar, ExportOptions};
 use super::output::{check_output, Output};
 use super::viewing::CameraOptions;
 use super::{pictures, Run};
@@ -55,6 +55,7 @@ impl Run for Mesh {
         let format = Format::of(&self.out)?;
         self.export.check(format)?;
         check_output("--out", &self.out, Output::File(&[]))?;
+        self.export.check_sidecar(&self.out, std::slice::from_ref(&self.file))?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
         let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));
@@ -70,8 +71,10 @@ impl Run for Mesh {
             None => placed.model_with_normals(&planet.ground()),
         };
         let made = Made { triangles: model.triangle_count(), vertices: model.vertex_count(), open_edges: model.open_edges() };
+        let sidecar = self.export.sidecar(&model, format)?;
         let bytes = self.export.encode(model, format)?;
         pictures::write_whole(&self.out, &bytes).with_context(|| format!("cannot write the mesh {}", self.out.display()))?;
+        sidecar.map_or(Ok(()), |sidecar| write_sidecar(&self.out, &sidecar))?;
         self.print(&placed, &made, format, bytes.len(), &view)?;
         Ok(Outcome::Done)
     }
@@ -92,7 +95,7 @@ impl Mesh {
             let summary = json!({
                 "mesh": self.out, "format": format.name(), "triangles": triangles, "vertices": vertices, "patches": patches,
                 "closed": open_edges == 0, "open_edges": open_edges, "largest_coordinate_m": largest, "bytes": bytes,
-                "origin_lattice": placed.origin.to_array(), "unit_m": placed.lattice.unit,
+                "origin_lattice": placed.origin.to_array(), "unit_m": placed.lattice.unit, "georeference": placed.origin().json(),
                 "scale": view.scale, "up": self.export.up_name(format)?, "solid": self.export.solid.is_some(),
             });
             println!("{summary}");

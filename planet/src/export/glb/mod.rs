@@ -13,7 +13,7 @@
 mod attributes;
 mod buffers;
 
-use super::{ExportError, Model, Picture, Up};
+use super::{ExportError, Model, Origin, Picture, Up};
 use attributes::Grid;
 use buffers::Buffers;
 use serde_json::{json, Value};
@@ -40,7 +40,10 @@ pub(super) fn encode(mesh: &Model) -> Result<Vec<u8>, ExportError> {
     let mut document = json!({
         "asset": {
             "version": "2.0", "generator": concat!("Terrane ", env!("CARGO_PKG_VERSION")),
-            "extras": { "unit": "metre", "axes": mesh.axes(Up::Y), "origin": mesh.provenance },
+            "extras": {
+                "unit": "metre", "axes": mesh.axes(Up::Y), "origin": mesh.provenance,
+                "georeference": mesh.origin.as_ref().map(Origin::json),
+            },
         },
         "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": nodes(mesh, grid),
     });
