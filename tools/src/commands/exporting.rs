@@ -3,7 +3,7 @@
 use super::pictures;
 use anyhow::{bail, ensure, Context as _};
 use std::path::{Path, PathBuf};
-use terrane_planet::export::{Format, Model, Sidecar, Up};
+use terrane_planet::export::{check_map_side, Format, Model, Sidecar, Up};
 
 /// The axis that points up.
 #[derive(clap::ValueEnum, Clone, Copy)]
@@ -29,6 +29,10 @@ pub(crate) struct ExportOptions {
     /// extent along each axis.
     #[arg(long)]
     quantize: bool,
+    /// Put maps of the ground into the GLB, so many texels along the longer side (a power of two from 64 to 8192), so that few triangles look like
+    /// their ground: a normal map, and on a planet the albedo. The vertex normals then point straight up.
+    #[arg(long, value_name = "TEXELS", conflicts_with = "solid")]
+    pub(crate) maps: Option<u32>,
     /// Write where the mesh lies into two files beside it: x.prj, the coordinate system as WKT (or its proj string where no WKT is
     /// known; no file where no system is), and x.txt, its axes, unit and origin.
     #[arg(long)]
@@ -49,6 +53,10 @@ impl ExportOptions {
             "--quantize: {} files cannot hold it; write a .glb or leave it out",
             format.name()
         );
+        if let Some(side) = self.maps {
+            ensure!(format == Format::Glb, "--maps: {} files hold no maps; write a .glb or leave it out", format.name());
+            check_map_side(side).context("--maps")?;
+        }
         match self.up {
             Some(UpOption::Z) if format == Format::Glb => {
                 anyhow::bail!("--up z: glTF is Y-up by its specification, and programs turn it themselves; leave it out")

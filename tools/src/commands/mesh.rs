@@ -66,11 +66,14 @@ impl Run for Mesh {
             (Some(Centre::Planet), _) | (None, _) => IVec3::ZERO,
         };
         let placed = Placed { surface: &surface, origin, lattice: planet.lattice };
-        let model = match self.export.solid {
-            Some(below) => placed.solid(below),
-            None => placed.model_with_normals(&planet.ground()),
+        let model = match (self.export.solid, self.export.maps) {
+            (Some(below), _) => placed.solid(below),
+            (None, Some(side)) => placed.model_with_maps(&planet.ground(), &planet.terrain, side)?,
+            (None, None) => placed.model_with_normals(&planet.ground()),
         };
-        let made = Made { triangles: model.triangle_count(), vertices: model.vertex_count(), open_edges: model.open_edges() };
+        // With maps vertices are there once a patch, which opens no edge of the surface.
+        let open_edges = if self.export.solid.is_some() { model.open_edges() } else { surface.open_edges() };
+        let made = Made { triangles: model.triangle_count(), vertices: model.vertex_count(), open_edges };
         let sidecar = self.export.sidecar(&model, format)?;
         let bytes = self.export.encode(model, format)?;
         pictures::write_whole(&self.out, &bytes).with_context(|| format!("cannot write the mesh {}", self.out.display()))?;
@@ -89,7 +92,7 @@ struct Made {
 
 impl Mesh {
     fn print(&self, placed: &Placed, made: &Made, format: Format, bytes: usize, view: &View) -> anyhow::Result<()> {
-        let (patches, largest) = (placed.surface.patches, placed.largest_coordinate());
+        let (patches, largest) = (placed.surface.parts.len(), placed.largest_coordinate());
         let &Made { triangles, vertices, open_edges } = made;
         if self.json {
             let summary = json!({

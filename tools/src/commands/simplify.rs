@@ -237,7 +237,7 @@ impl Simplify {
     }
 
     /// A surface with all that its file holds.
-    fn model<'a>(&self, surface: &'a TriangleSurface, ground: &Ground) -> Model<'a> {
+    fn model<'a>(&self, surface: &'a TriangleSurface, ground: &Ground) -> anyhow::Result<Model<'a>> {
         let mut model = Model::of_heightfield(surface, ground.field, ground.scale);
         if let Some(origin) = &ground.origin {
             model = model.with_origin(origin.clone());
@@ -248,13 +248,16 @@ impl Simplify {
         if let Some(picture) = &ground.picture {
             model = model.with_picture(surface, [ground.field.columns(), ground.field.rows()], picture.clone());
         }
-        model
+        if let Some(side) = self.export.maps {
+            model = model.with_normal_map(surface, ground.field, ground.scale, side)?;
+        }
+        Ok(model)
     }
 
     fn write_level(&self, level: &Level, ground: &Ground, (path, format): (&Path, Format)) -> anyhow::Result<Value> {
         let begun = Instant::now();
         let Level { surface, deviation } = level;
-        let model = self.model(surface, ground);
+        let model = self.model(surface, ground)?;
         let (volume, written) = (self.export.solid.map(|_| model.volume()), model.triangle_count());
         let sidecar = self.export.sidecar(&model, format)?;
         let bytes = self.export.encode(model, format)?;

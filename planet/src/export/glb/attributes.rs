@@ -35,6 +35,9 @@ pub(super) fn add(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Ma
     if !mesh.normals.is_empty() {
         note("NORMAL", normals(mesh, grid, buffers));
     }
+    if !mesh.tangents.is_empty() {
+        note("TANGENT", tangents(mesh, grid, buffers));
+    }
     if !mesh.uvs.is_empty() {
         note("TEXCOORD_0", uvs(mesh, grid.is_some(), buffers));
     }
@@ -80,18 +83,25 @@ fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
 /// Normals; on a grid with another step on each axis they are bent so that its scale bends them back.
 fn normals(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
     let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
-    let mut bytes = Vec::new();
-    for &normal in &mesh.normals {
-        let n = (Up::Y.turn(normal) * scale).normalize_or(DVec3::Y).to_array();
-        if grid.is_some() {
-            n.iter().for_each(|c| bytes.extend(((c * I16).round() as i16).to_le_bytes()));
-            bytes.extend([0; 2]);
-        } else {
-            n.iter().for_each(|&c| bytes.extend((c as f32).to_le_bytes()));
-        }
-    }
+    let bent = |normal: &DVec3| (Up::Y.turn(*normal) * scale).normalize_or(DVec3::Y).to_array();
+    let bytes = match grid {
+        Some(_) => mesh.normals.iter().flat_map(bent).enumerate().flat_map(|(k, c)| padded(short(c), k % 3 == 2)).collect(),
+        None => floats(&mesh.normals.iter().flat_map(bent).map(|c| c as f32).collect::<Vec<_>>()),
+    };
     let component = if grid.is_some() { SHORT } else { FLOAT };
     buffers.attribute(&Numbers { component, parts: 3, normalized: grid.is_some() }, mesh.normals.len(), &bytes, None)
+}
+
+/// Tangents, with +1 for bitangents that are normal × tangent; bent, too, but as ways on the ground.
+fn tangents(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
+    let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
+    let bent = |tangent: &DVec3| (Up::Y.turn(*tangent) / scale).normalize_or(DVec3::X).extend(1.0).to_array();
+    let numbers = mesh.tangents.iter().flat_map(bent);
+    let (component, bytes) = match grid {
+        Some(_) => (SHORT, numbers.flat_map(|c| short(c).to_le_bytes()).collect()),
+        None => (FLOAT, floats(&numbers.map(|c| c as f32).collect::<Vec<_>>())),
+    };
+    buffers.attribute(&Numbers { component, parts: 4, normalized: grid.is_some() }, mesh.tangents.len(), &bytes, None)
 }
 
 fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
@@ -102,6 +112,16 @@ fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
         (FLOAT, floats(mesh.uvs.as_flattened()))
     };
     buffers.attribute(&Numbers { component, parts: 2, normalized: short }, mesh.uvs.len(), &bytes, None)
+}
+
+/// A share of one as a number of 16 bits.
+fn short(share: f64) -> i16 {
+    (share * I16).round() as i16
+}
+
+/// The bytes of a number, and two more after the last one of an element.
+fn padded(number: i16, is_last: bool) -> impl Iterator<Item = u8> {
+    number.to_le_bytes().into_iter().chain(is_last.then_some([0; 2]).into_iter().flatten())
 }
 
 fn floats(numbers: &[f32]) -> Vec<u8> {

@@ -47,9 +47,9 @@ pub(super) fn encode(mesh: &Model) -> Result<Vec<u8>, ExportError> {
         },
         "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": nodes(mesh, grid),
     });
-    if let Some(picture) = &mesh.albedo {
+    if mesh.albedo.is_some() || mesh.normal_map.is_some() {
         primitive["material"] = 0.into();
-        add_material(picture, &mut document, &mut buffers);
+        add_material(mesh, &mut document, &mut buffers);
     }
     document["meshes"] = json!([{ "primitives": [primitive] }]);
     if mesh.quantized {
@@ -78,14 +78,24 @@ fn single(v: glam::DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 
-/// Adds a rough, non-metallic material of a picture's colours.
-fn add_material(picture: &Picture, document: &mut Value, buffers: &mut Buffers) {
-    document["materials"] = json!([{
-        "name": "ground",
-        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0.0, "roughnessFactor": 1.0 },
-    }]);
-    document["images"] = json!([{ "bufferView": buffers.picture(&picture.bytes), "mimeType": picture.mime }]);
-    document["textures"] = json!([{ "sampler": 0, "source": 0 }]);
+/// Adds a rough, non-metallic material of a mesh's pictures.
+fn add_material(mesh: &Model, document: &mut Value, buffers: &mut Buffers) {
+    let mut material = json!({ "name": "ground", "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 } });
+    let (mut images, mut textures) = (Vec::new(), Vec::new());
+    let mut add = |name: &str, picture: &Picture| {
+        textures.push(json!({ "sampler": 0, "source": images.len() }));
+        images.push(json!({ "name": name, "bufferView": buffers.picture(&picture.bytes), "mimeType": picture.mime }));
+        json!({ "index": textures.len() - 1 })
+    };
+    if let Some(picture) = &mesh.albedo {
+        material["pbrMetallicRoughness"]["baseColorTexture"] = add("albedo", picture);
+    }
+    if let Some(picture) = &mesh.normal_map {
+        material["normalTexture"] = add("normals", picture);
+    }
+    document["materials"] = json!([material]);
+    document["images"] = images.into();
+    document["textures"] = textures.into();
     document["samplers"] = json!([{ "magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE }]);
 }
 
