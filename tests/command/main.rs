@@ -6,6 +6,7 @@
 mod common;
 
 mod bake;
+mod compress;
 mod edit;
 mod elevation;
 mod gallery;

@@ -61,6 +61,12 @@ pub enum ExportError {
         /// What its writer said.
         problem: String,
     },
+    /// Numbers that a codec cannot pack.
+    #[error("cannot pack the mesh: {problem}; write it unpacked, and please report this")]
+    Codec {
+        /// What the codec said.
+        problem: String,
+    },
     /// An archive that cannot be made.
     #[error("cannot pack the 3MF archive: {problem}; please report this")]
     Archive {

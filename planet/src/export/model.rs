@@ -181,6 +181,17 @@ impl<'a> Model<'a> {
         solid::rim(&self.triangles).len()
     }
 
+    /// The bytes of a GLB whose numbers a codec packs.
+    ///
+    /// # Errors
+    /// For a surface without triangles or one that is too large, and where the codec fails.
+    pub fn encode_packed(&self, codec: &dyn glb::MeshCodec) -> Result<Vec<u8>, ExportError> {
+        if self.triangles.is_empty() {
+            return Err(ExportError::Empty);
+        }
+        glb::encode(self, Some(codec))
+    }
+
     /// Unit and axes of a file.
     pub(super) fn axes(&self, up: Up) -> &'static str {
         match up {
@@ -204,7 +215,7 @@ impl<'a> Model<'a> {
         }
         match format {
             Format::Glb if up == Up::Z => Err(ExportError::GltfUp),
-            Format::Glb => glb::encode(self),
+            Format::Glb => glb::encode(self, None),
             Format::Obj => Ok(obj::encode(self, up)),
             Format::Ply => ply::encode(self, up),
             Format::Stl => stl::encode(self, up),

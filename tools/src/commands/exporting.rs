@@ -1,5 +1,6 @@
 //! How meshes are written, as options that `mesh` and `simplify` share.
 
+use super::packing::Meshoptimizer;
 use super::pictures;
 use anyhow::{bail, ensure, Context as _};
 use std::path::{Path, PathBuf};
@@ -29,6 +30,9 @@ pub(crate) struct ExportOptions {
     /// extent along each axis.
     #[arg(long)]
     quantize: bool,
+    /// Pack the numbers of the GLB with meshoptimizer's codecs (EXT_meshopt_compression, which readers must then know); nothing is lost.
+    #[arg(long)]
+    compress: bool,
     /// Put maps of the ground into the GLB, so many texels along the longer side (a power of two from 64 to 8192), so that few triangles look like
     /// their ground: a normal map, and on a planet the albedo. The vertex normals then point straight up.
     #[arg(long, value_name = "TEXELS", conflicts_with = "solid")]
@@ -51,6 +55,11 @@ impl ExportOptions {
         ensure!(
             format == Format::Glb || !self.quantize,
             "--quantize: {} files cannot hold it; write a .glb or leave it out",
+            format.name()
+        );
+        ensure!(
+            format == Format::Glb || !self.compress,
+            "--compress: {} files cannot hold it; write a .glb or leave it out",
             format.name()
         );
         if let Some(side) = self.maps {
@@ -91,6 +100,9 @@ impl ExportOptions {
     pub(crate) fn encode(&self, model: Model, format: Format) -> anyhow::Result<Vec<u8>> {
         let up = self.check(format)?;
         let model = if self.quantize { model.quantized() } else { model };
+        if self.compress {
+            return Ok(model.encode_packed(&Meshoptimizer)?);
+        }
         Ok(model.encode(format, up)?)
     }
 

@@ -1,7 +1,7 @@
 //! The attributes of vertices as GLB files hold them: in single precision, or in 16 bits (`KHR_mesh_quantization`).
 
-use super::super::{Model, Up};
-use super::buffers::{Buffers, Numbers, FLOAT, SHORT, UNSIGNED_INT, UNSIGNED_SHORT};
+use super::super::{ExportError, Model, Up};
+use super::buffers::{Buffers, Numbers, FLOAT, SHORT, UNSIGNED_SHORT};
 use glam::DVec3;
 use serde_json::{json, Map, Value};
 
@@ -28,35 +28,30 @@ impl Grid {
 }
 
 /// Adds all attributes of a mesh; without a grid in single precision. Out: their accessors, by name.
-pub(super) fn add(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Map<String, Value> {
+pub(super) fn add(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Result<Map<String, Value>, ExportError> {
     let mut names = Map::new();
     let mut note = |name: &str, accessor: usize| names.insert(name.to_owned(), accessor.into());
-    note("POSITION", positions(mesh, grid, buffers));
+    note("POSITION", positions(mesh, grid, buffers)?);
     if !mesh.normals.is_empty() {
-        note("NORMAL", normals(mesh, grid, buffers));
+        note("NORMAL", normals(mesh, grid, buffers)?);
     }
     if !mesh.tangents.is_empty() {
-        note("TANGENT", tangents(mesh, grid, buffers));
+        note("TANGENT", tangents(mesh, grid, buffers)?);
     }
     if !mesh.uvs.is_empty() {
-        note("TEXCOORD_0", uvs(mesh, grid.is_some(), buffers));
+        note("TEXCOORD_0", uvs(mesh, grid.is_some(), buffers)?);
     }
-    names
+    Ok(names)
 }
 
-/// Adds the corners of the triangles; with `short`, in 16 bits where that is enough.
-pub(super) fn add_indices(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
-    let corners = mesh.triangles.as_flattened();
+/// Adds the triangles; with `short`, in 16 bits where that is enough.
+pub(super) fn add_triangles(mesh: &Model, short: bool, buffers: &mut Buffers) -> Result<usize, ExportError> {
+    let vertices = mesh.positions.len();
     // The largest number means "begin anew" to some devices.
-    if short && mesh.positions.len() < usize::from(u16::MAX) {
-        let bytes: Vec<u8> = corners.iter().flat_map(|&v| (v as u16).to_le_bytes()).collect();
-        return buffers.indices(UNSIGNED_SHORT, corners.len(), &bytes);
-    }
-    let bytes: Vec<u8> = corners.iter().flat_map(|v| v.to_le_bytes()).collect();
-    buffers.indices(UNSIGNED_INT, corners.len(), &bytes)
+    buffers.triangles(&mesh.triangles, vertices, short && vertices < usize::from(u16::MAX))
 }
 
-fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
+fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Result<usize, ExportError> {
     let count = mesh.positions.len();
     let points = mesh.positions.iter().map(|&p| Up::Y.turn(p));
     let Some(grid) = grid else {
@@ -81,7 +76,7 @@ fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
 }
 
 /// Normals; on a grid with another step on each axis they are bent so that its scale bends them back.
-fn normals(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
+fn normals(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Result<usize, ExportError> {
     let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
     let bent = |normal: &DVec3| (Up::Y.turn(*normal) * scale).normalize_or(DVec3::Y).to_array();
     let bytes = match grid {
@@ -93,7 +88,7 @@ fn normals(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
 }
 
 /// Tangents, with +1 for bitangents that are normal × tangent; bent, too, but as ways on the ground.
-fn tangents(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
+fn tangents(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Result<usize, ExportError> {
     let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
     let bent = |tangent: &DVec3| (Up::Y.turn(*tangent) / scale).normalize_or(DVec3::X).extend(1.0).to_array();
     let numbers = mesh.tangents.iter().flat_map(bent);
@@ -104,7 +99,7 @@ fn tangents(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
     buffers.attribute(&Numbers { component, parts: 4, normalized: grid.is_some() }, mesh.tangents.len(), &bytes, None)
 }
 
-fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
+fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> Result<usize, ExportError> {
     let (component, bytes) = if short {
         let code = |c: &f32| ((f64::from(*c) * U16).round() as u16).to_le_bytes();
         (UNSIGNED_SHORT, mesh.uvs.as_flattened().iter().flat_map(code).collect())

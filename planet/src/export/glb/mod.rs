@@ -1,5 +1,5 @@
 //! Binary glTF 2.0: one node with one mesh of `f32` positions and `u32` indices, with normals where there are some, and a material where
-//! there is a picture; or all of it in 16 bits, by `KHR_mesh_quantization`.
+//! there is a picture; or all of it in 16 bits, by `KHR_mesh_quantization`. A codec packs it, by `EXT_meshopt_compression`.
 //!
 //! glTF is Y-up: (x, y, z) becomes (x, z, -y), a turn by -90° about X. On a planet north is +Y and longitude 0 stays +X; over a
 //! heightfield up is +Y, east +X and north -Z.
@@ -12,10 +12,12 @@
 
 mod attributes;
 mod buffers;
+mod packing;
 
 use super::{ExportError, Model, Origin, Picture, Up};
 use attributes::Grid;
 use buffers::Buffers;
+pub use packing::{MeshCodec, PackingOrder};
 use serde_json::{json, Value};
 
 const MAGIC: u32 = 0x4654_6c67;
@@ -27,15 +29,18 @@ const LINEAR: u32 = 9729;
 const MIPMAPS: u32 = 9987;
 const CLAMP_TO_EDGE: u32 = 33_071;
 
-/// The bytes of a file.
+/// The bytes of a file, whose numbers a codec packs if there is one.
 ///
 /// # Errors
-/// For more than the 4 GiB that the format can state.
-pub(super) fn encode(mesh: &Model) -> Result<Vec<u8>, ExportError> {
-    let mut buffers = Buffers::default();
+/// For more than the 4 GiB that the format can state, and where the codec fails.
+pub(super) fn encode(mesh: &Model, codec: Option<&dyn MeshCodec>) -> Result<Vec<u8>, ExportError> {
+    let order = codec.map(|codec| codec.order(&mesh.triangles, mesh.positions.len()));
+    let ordered = order.map(|order| packing::ordered(mesh, &order)).transpose()?;
+    let mesh = ordered.as_ref().unwrap_or(mesh);
+    let mut buffers = Buffers::packed_by(codec);
     let grid = mesh.quantized.then(|| Grid::of(mesh));
-    let attributes = attributes::add(mesh, grid, &mut buffers);
-    let indices = attributes::add_indices(mesh, mesh.quantized, &mut buffers);
+    let attributes = attributes::add(mesh, grid, &mut buffers)?;
+    let indices = attributes::add_triangles(mesh, mesh.quantized, &mut buffers)?;
     let mut primitive = json!({ "attributes": attributes, "indices": indices, "mode": 4 });
     let mut document = json!({
         "asset": {
@@ -52,14 +57,16 @@ pub(super) fn encode(mesh: &Model) -> Result<Vec<u8>, ExportError> {
         add_material(mesh, &mut document, &mut buffers);
     }
     document["meshes"] = json!([{ "primitives": [primitive] }]);
-    if mesh.quantized {
-        document["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
-        document["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    let quantized = mesh.quantized.then_some("KHR_mesh_quantization");
+    let extensions: Vec<&str> = quantized.into_iter().chain(codec.map(|_| packing::EXTENSION)).collect();
+    if !extensions.is_empty() {
+        document["extensionsUsed"] = json!(extensions);
+        document["extensionsRequired"] = json!(extensions);
     }
-    let Buffers { bytes, views, accessors } = buffers;
+    document["buffers"] = buffers.described();
+    let Buffers { bytes, views, accessors, .. } = buffers;
     document["accessors"] = accessors.into();
     document["bufferViews"] = views.into();
-    document["buffers"] = json!([{ "byteLength": bytes.len() }]);
     container(document.to_string().into_bytes(), &bytes)
 }
 
