@@ -22,14 +22,14 @@ use terrane_planet::reference::resolve::resolve;
 use terrane_planet::reference::select::select;
 use terrane_planet::store::Region;
 
-struct Tiny {
-    planet: Planet,
+pub(crate) struct Tiny {
+    pub(crate) planet: Planet,
     tree: PatchTree,
     meshes: HashMap<PatchId, PatchMesh>,
 }
 
 impl Tiny {
-    fn new() -> Tiny {
+    pub(crate) fn new() -> Tiny {
         let recipe = Recipe::load(Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/recipes/tiny.toml"))).unwrap();
         let planet = Planet::from_recipe(recipe, 16).unwrap();
         let region = Region { direction: direction_at(20.0, 30.0), radius_m: 0.0, to_level: 4 };
@@ -41,7 +41,7 @@ impl Tiny {
     }
 
     /// A view over the finest patches, towards the horizon.
-    fn view(&self, altitude: f64) -> View {
+    pub(crate) fn view(&self, altitude: f64) -> View {
         let site = direction_at(20.0, 30.0);
         let position = self.planet.position_above(site, altitude);
         let camera = Camera::looking(position, 40.0, -25.0, 0.9, [640, 360]);
@@ -52,11 +52,11 @@ impl Tiny {
         LoadedPatch::new(self.meshes[&id].clone(), &self.planet.lattice)
     }
 
-    fn surface(&self, view: &View, whole: bool) -> Welded {
+    pub(crate) fn surface(&self, view: &View, whole: bool) -> Welded {
         view_surface(&self.tree, view, whole, |id| Ok::<_, Infallible>(self.load(id))).unwrap()
     }
 
-    fn placed<'a>(&self, surface: &'a Welded, origin: IVec3) -> Placed<'a> {
+    pub(crate) fn placed<'a>(&self, surface: &'a Welded, origin: IVec3) -> Placed<'a> {
         Placed { surface, origin, lattice: self.planet.lattice }
     }
 }

@@ -11,6 +11,7 @@ mod builder;
 mod edited_ground;
 mod edits;
 mod export;
+mod export_maps;
 mod export_read_back;
 mod extremes;
 mod fuzz_seeds;

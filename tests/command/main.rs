@@ -6,9 +6,11 @@
 mod common;
 
 mod bake;
+mod compress;
 mod edit;
 mod elevation;
 mod gallery;
+mod georeference;
 mod gltf;
 mod gpu;
 mod look;

@@ -2,11 +2,14 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use crate::common::{terrane, text};
+use crate::common::{command, terrane, text};
 use crate::mesh_and_bench::planet_in;
 use serde_json::Value;
-use std::process::Command;
+use std::process::{Command, Stdio};
+use std::time::{Duration, Instant};
+use terrane_heightfield::import::photo;
 use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::ground::GroundPoint;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::shipped;
 
@@ -73,6 +76,72 @@ fn rasters_hold_the_terrain_where_their_keys_say() {
     read_by_gdal(folder.path(), planet.recipe.radius, &|latitude, longitude| height([latitude, longitude]));
     let colours = json(&[&base[..], &["--albedo", "--out", "a.tif"]].concat(), folder.path());
     assert_eq!(colours["holds"], "albedo");
+}
+
+#[test]
+fn rasters_of_albedo_hold_the_terrains_own_colours() {
+    let folder = tempfile::tempdir().unwrap();
+    let planet = Planet::from_recipe(shipped::load("tiny").unwrap(), 64).unwrap();
+    let spacing = 150.0;
+    let base =
+        ["raster", "tiny", "--at", "40,-20", "--size", "31x21", "--spacing", "150", "--albedo", "--out", "a.tif", "--json"];
+    let summary = json(&base, folder.path());
+    let bounds = |name: &str| number(&summary["bounds_deg"][name]);
+    let picture = photo::read(&std::fs::read(folder.path().join("a.tif")).unwrap(), "a.tif").unwrap();
+    assert_eq!(picture.size(), [31, 21]);
+    let step = [(bounds("east") - bounds("west")) / 30.0, (bounds("north") - bounds("south")) / 20.0];
+    let site = |column: f64, row: f64| direction_at(bounds("north") - row * step[1], bounds("west") + column * step[0]);
+    // The ground at a sample from its neighbours, and its colour from the terrain.
+    let colour = |column: usize, row: usize| {
+        let (x, y) = (column as f64, row as f64);
+        let height = |x: f64, y: f64| planet.terrain.height(site(x, y));
+        let metres = planet.recipe.radius * step.map(f64::to_radians)[0] * site(x, y).truncate().length();
+        let east = (height(x + 1.0, y) - height(x - 1.0, y)) / (2.0 * metres);
+        let north = (height(x, y - 1.0) - height(x, y + 1.0)) / (2.0 * spacing);
+        let point = GroundPoint { direction: site(x, y), height: height(x, y), slope: east.hypot(north), north, spacing };
+        let mut found = [[0; 3]];
+        planet.terrain.albedo(&[point], &mut found);
+        found[0]
+    };
+    let mut seen = std::collections::HashSet::new();
+    for (column, row) in (0..31).flat_map(|column| (0..21).map(move |row| (column, row))) {
+        let (found, wanted) = (picture.pixels[row * 31 + column], colour(column, row));
+        assert!((0..3).all(|k| found[k].abs_diff(wanted[k]) <= 1), "{column}, {row}: {found:?}, expected {wanted:?}");
+        seen.insert(wanted);
+    }
+    assert!(seen.len() > 20, "{} colours tell little", seen.len());
+    let shifted = (0..30).filter(|&column| picture.pixels[10 * 31 + column] != colour(column + 1, 10)).count();
+    assert!(shifted > 20, "the check sees a shift by a sample");
+}
+
+/// Whether a process has said what it does on SIGINT.
+#[cfg(target_os = "linux")]
+fn listens(process: u32) -> bool {
+    const SIGINT: u64 = 1 << 1;
+    let status = std::fs::read_to_string(format!("/proc/{process}/status")).unwrap_or_default();
+    let caught = status.lines().find_map(|line| line.strip_prefix("SigCgt:"));
+    caught.and_then(|mask| u64::from_str_radix(mask.trim(), 16).ok()).is_some_and(|mask| mask & SIGINT != 0)
+}
+
+#[test]
+#[cfg(target_os = "linux")]
+fn an_interrupted_raster_leaves_no_file() {
+    for what in [&[][..], &["--albedo"]] {
+        let folder = tempfile::tempdir().unwrap();
+        let arguments = ["raster", "tiny", "--at", "0,0", "--size", "10000x10000", "--spacing", "1", "--out", "x.tif"];
+        let mut child = command(&[&arguments[..], what].concat());
+        let child = child.current_dir(folder.path()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        let begun = Instant::now();
+        while !listens(child.id()) {
+            assert!(begun.elapsed() < Duration::from_secs(60), "it never listens for signals");
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
+        let output = child.wait_with_output().unwrap();
+        assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("interrupted, nothing written"), "{}", text(&output.stderr));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0, "something is left behind");
+    }
 }
 
 /// GDAL's own reading of the same file: the sphere, and a height at a place.

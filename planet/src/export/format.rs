@@ -1,5 +1,6 @@
 //! The mesh formats, the axes that their files are in, and why one cannot be written.
 
+use super::MAP_SIDES;
 use std::path::Path;
 use thiserror::Error;
 
@@ -38,6 +39,34 @@ pub enum ExportError {
     /// glTF with another axis up.
     #[error("glTF is Y-up by its specification; leave out --up z, or write OBJ or PLY")]
     GltfUp,
+    /// A size that maps cannot have.
+    #[error("maps of {side} texels a side, expected a power of two from {} to {}", MAP_SIDES.start(), MAP_SIDES.end())]
+    MapSide {
+        /// Texels of the longer side.
+        side: u32,
+    },
+    /// More patches than maps have room for.
+    #[error("{patches} patches are too many for maps of {side} texels a side, which hold {most}; ask for larger maps, or for a coarser mesh")]
+    MapTiles {
+        /// Patches of the mesh.
+        patches: usize,
+        /// Texels of the longer side.
+        side: u32,
+        /// How many patches fit.
+        most: usize,
+    },
+    /// A map that cannot be encoded.
+    #[error("cannot encode a map as PNG: {problem}; please report this")]
+    Map {
+        /// What its writer said.
+        problem: String,
+    },
+    /// Numbers that a codec cannot pack.
+    #[error("cannot pack the mesh: {problem}; write it unpacked, and please report this")]
+    Codec {
+        /// What the codec said.
+        problem: String,
+    },
     /// An archive that cannot be made.
     #[error("cannot pack the 3MF archive: {problem}; please report this")]
     Archive {

@@ -1,7 +1,10 @@
 //! What encoders know of a mesh: triangles in metres, and what a file says about them.
 
+use super::maps::check_map_side;
+use super::maps::heightfield::normal_map;
+use super::origin::sidecar;
 use super::solid::{self, Floor};
-use super::{glb, normals, obj, ply, stl, three_mf, ExportError, Format, Up};
+use super::{glb, normals, obj, ply, stl, three_mf, ExportError, Format, Origin, Sidecar, Up};
 use glam::DVec3;
 use serde_json::json;
 use std::borrow::Cow;
@@ -28,16 +31,27 @@ impl Picture {
     }
 }
 
+/// Places of vertices in a picture whose corners lie on the corner samples.
+fn uvs_over(surface: &TriangleSurface, [columns, rows]: [usize; 2]) -> Vec<[f32; 2]> {
+    let last = [columns - 1, rows - 1].map(|count| count as f64);
+    let place = |p: &DVec3| [(p.x / last[0]) as f32, (1.0 - p.y / last[1]) as f32];
+    surface.positions.iter().map(place).collect()
+}
+
 /// Triangles in metres and what a file says about them.
 pub struct Model<'a> {
     /// Metres from the origin.
     pub(super) positions: Vec<DVec3>,
     /// A unit vector a vertex, or none at all: flat triangles.
     pub(super) normals: Vec<DVec3>,
+    /// A unit vector a vertex, along which the red of a normal map leans, or none. The green leans along normal × tangent.
+    pub(super) tangents: Vec<DVec3>,
     /// Places in the pictures, from their upper left corner, or none.
     pub(super) uvs: Vec<[f32; 2]>,
     /// Colour of the ground.
     pub(super) albedo: Option<Picture>,
+    /// Normals of the ground, in the frame of normal and tangent.
+    pub(super) normal_map: Option<Picture>,
     /// Whether GLB files hold numbers of 16 bits.
     pub(super) quantized: bool,
     /// Corners, counter-clockwise from outside.
@@ -46,6 +60,8 @@ pub struct Model<'a> {
     pub(super) axes: [&'static str; 2],
     /// Where the origin is, for people.
     pub(super) provenance: String,
+    /// Where it is in a coordinate system.
+    pub(super) origin: Option<Origin>,
     /// Decimals that every coordinate fits into; without it as many as it takes to read the same number back.
     pub(super) decimals: Option<usize>,
     /// Where GLB files put the origin.
@@ -62,11 +78,14 @@ impl<'a> Model<'a> {
             positions: surface.positions.iter().map(|&p| p * scale).collect(),
             normals: normals::of_heightfield(surface, field, scale),
             triangles: Cow::Borrowed(&surface.faces),
+            tangents: Vec::new(),
             uvs: Vec::new(),
             albedo: None,
+            normal_map: None,
             quantized: false,
             axes: ["metres, +X east, +Y up, -Z north", "metres, +X east, +Y north, +Z up"],
             provenance: format!("origin at the south-west sample, samples {} m apart east and {} m north", scale.x, scale.y),
+            origin: None,
             decimals: None,
             translation: DVec3::ZERO,
             extras: json!({ "axes": "east, north, up (x, y, z) is glTF (x, z, -y)" }),
@@ -83,8 +102,9 @@ impl<'a> Model<'a> {
     pub(super) fn closed(mut self, down: &dyn Fn(DVec3) -> DVec3, floor: Floor) -> Model<'a> {
         solid::close(&mut self.positions, self.triangles.to_mut(), down, floor);
         self.normals.clear();
+        self.tangents.clear();
         self.uvs.clear();
-        self.albedo = None;
+        (self.albedo, self.normal_map) = (None, None);
         self.decimals = None;
         self.provenance.push_str(", closed by walls and a floor");
         self
@@ -93,11 +113,42 @@ impl<'a> Model<'a> {
     /// The same surface over a heightfield of so many columns and rows under a picture, the corners of which lie on its corner samples.
     /// Only GLB files hold it.
     pub fn with_picture(mut self, surface: &TriangleSurface, [columns, rows]: [usize; 2], picture: Picture) -> Model<'a> {
-        let last = [columns - 1, rows - 1].map(|count| count as f64);
-        let place = |p: &DVec3| [(p.x / last[0]) as f32, (1.0 - p.y / last[1]) as f32];
-        self.uvs = surface.positions.iter().map(place).collect();
+        self.uvs = uvs_over(surface, [columns, rows]);
         self.albedo = Some(picture);
         self
+    }
+
+    /// The same surface over a heightfield with the normals of the heights as a map, so many texels along its longer side; the vertex
+    /// normals then point straight up. Only GLB files hold it. `scale` is that of [`Model::of_heightfield`].
+    ///
+    /// # Errors
+    /// For a side that [`super::check_map_side`] refuses.
+    pub fn with_normal_map(
+        mut self,
+        surface: &TriangleSurface,
+        field: &Heightfield,
+        scale: DVec3,
+        side: u32,
+    ) -> Result<Model<'a>, ExportError> {
+        check_map_side(side)?;
+        self.normal_map = Some(normal_map(field, scale, side).png()?);
+        self.uvs = uvs_over(surface, [field.columns(), field.rows()]);
+        self.normals = vec![DVec3::Z; self.positions.len()];
+        self.tangents = vec![DVec3::X; self.positions.len()];
+        Ok(self)
+    }
+
+    /// The same with its place in a coordinate system, which every file but STL states.
+    pub fn with_origin(mut self, origin: Origin) -> Model<'a> {
+        self.provenance = format!("{}, at {}", self.provenance, origin.words());
+        self.origin = Some(origin);
+        self
+    }
+
+    /// What the files beside a mesh say.
+    pub fn sidecar(&self, format: Format, up: Up) -> Sidecar {
+        let is_moved = format == Format::Glb && self.translation != DVec3::ZERO;
+        sidecar(self.origin.as_ref(), self.axes(up), up, is_moved)
     }
 
     /// The same with 16 bits a number in GLB files.
@@ -130,6 +181,17 @@ impl<'a> Model<'a> {
         solid::rim(&self.triangles).len()
     }
 
+    /// The bytes of a GLB whose numbers a codec packs.
+    ///
+    /// # Errors
+    /// For a surface without triangles or one that is too large, and where the codec fails.
+    pub fn encode_packed(&self, codec: &dyn glb::MeshCodec) -> Result<Vec<u8>, ExportError> {
+        if self.triangles.is_empty() {
+            return Err(ExportError::Empty);
+        }
+        glb::encode(self, Some(codec))
+    }
+
     /// Unit and axes of a file.
     pub(super) fn axes(&self, up: Up) -> &'static str {
         match up {
@@ -153,7 +215,7 @@ impl<'a> Model<'a> {
         }
         match format {
             Format::Glb if up == Up::Z => Err(ExportError::GltfUp),
-            Format::Glb => glb::encode(self),
+            Format::Glb => glb::encode(self, None),
             Format::Obj => Ok(obj::encode(self, up)),
             Format::Ply => ply::encode(self, up),
             Format::Stl => stl::encode(self, up),

@@ -20,14 +20,20 @@ pub(super) fn of_heightfield(surface: &TriangleSurface, field: &Heightfield, sca
 pub(super) fn at_sample(field: &Heightfield, x: f64, y: f64, scale: DVec3) -> DVec3 {
     let last = [field.columns() - 1, field.rows() - 1];
     let [column, north] = [(x.round().max(0.0) as usize).min(last[0]), (y.round().max(0.0) as usize).min(last[1])];
-    let row = last[1] - north;
+    let [along, across] = slopes_at(field, [column, last[1] - north], scale);
+    DVec3::new(-along, -across, 1.0).normalize()
+}
+
+/// How much the ground rises a metre east and north at a sample.
+pub(super) fn slopes_at(field: &Heightfield, [column, row]: [usize; 2], scale: DVec3) -> [f64; 2] {
+    let last = [field.columns() - 1, field.rows() - 1];
     let [west, east] = [column.saturating_sub(1), (column + 1).min(last[0])];
     let [above, below] = [row.saturating_sub(1), (row + 1).min(last[1])];
     let height = |column: usize, row: usize| f64::from(field.at(column, row)) * scale.z;
     let rise = |from: f64, to: f64, metres: f64| if (to - from).is_finite() { (to - from) / metres } else { 0.0 };
     let along = rise(height(west, row), height(east, row), (east - west) as f64 * scale.x);
     let across = rise(height(column, below), height(column, above), (below - above) as f64 * scale.y);
-    DVec3::new(-along, -across, 1.0).normalize()
+    [along, across]
 }
 
 /// Normals at the vertices of a planet's surface, between points one sample spacing to each side.

@@ -12,6 +12,16 @@ use crate::reference::resolve::resolve;
 use crate::reference::select::select;
 use glam::IVec3;
 use std::collections::HashMap;
+use std::ops::Range;
+
+/// The triangles of a patch within a surface.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Part {
+    /// The patch.
+    pub id: PatchId,
+    /// Its triangles.
+    pub triangles: Range<usize>,
+}
 
 /// Triangles that share vertices: every lattice position is there once.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -22,21 +32,25 @@ pub struct Welded {
     pub triangles: Vec<[u32; 3]>,
     /// The finest level of the patches that each position came from.
     pub levels: Vec<u8>,
-    /// Patches that any triangle came from.
-    pub patches: usize,
+    /// The patches that triangles came from, in the order of their triangles.
+    pub parts: Vec<Part>,
     numbers: HashMap<IVec3, u32>,
 }
 
 impl Welded {
-    /// Adds the triangles of a patch of a level.
-    pub fn add(&mut self, level: u8, vertices: &[PatchVertex], triangles: &[[u32; 3]]) {
-        self.patches += usize::from(!triangles.is_empty());
+    /// Adds the triangles of a patch.
+    pub fn add(&mut self, id: PatchId, vertices: &[PatchVertex], triangles: &[[u32; 3]]) {
+        if triangles.is_empty() {
+            return;
+        }
+        let first = self.triangles.len();
+        self.parts.push(Part { id, triangles: first..first + triangles.len() });
         let mut known = vec![u32::MAX; vertices.len()];
         for triangle in triangles {
             let welded = triangle.map(|v| {
                 let number = &mut known[v as usize];
                 if *number == u32::MAX {
-                    *number = self.number(level, IVec3::from_array(vertices[v as usize].position));
+                    *number = self.number(id.level, IVec3::from_array(vertices[v as usize].position));
                 }
                 *number
             });
@@ -78,7 +92,7 @@ pub fn view_surface<E>(
     for leaf in cut(tree, &view, &|_| true).leaves {
         if whole || tree.get(leaf.id).is_some_and(|node| is_visible(tree, &view, &node.space)) {
             let patch = load(leaf.id)?;
-            surface.add(leaf.id.level, &patch.vertices, &drawn(&view, &leaf, &patch));
+            surface.add(leaf.id, &patch.vertices, &drawn(&view, &leaf, &patch));
         }
     }
     Ok(surface)

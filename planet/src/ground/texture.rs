@@ -87,7 +87,7 @@ impl PatchTexture {
 }
 
 /// Albedo of a square of points, asked for in an order that suits the terrain.
-fn albedo(colour: &dyn GroundColour, points: &[GroundPoint], side: usize) -> Vec<[u8; 3]> {
+pub(crate) fn albedo(colour: &dyn GroundColour, points: &[GroundPoint], side: usize) -> Vec<[u8; 3]> {
     let order = strips(side);
     let ordered: Vec<GroundPoint> = order.iter().map(|&k| points[k]).collect();
     let mut found = vec![[0; 3]; points.len()];
@@ -137,7 +137,7 @@ fn unit(a: Vector) -> Vector {
 /// Direction and slopes of the texel between four points (left and right on the lower row, then on the upper): along both
 /// tangents and towards the north.
 #[inline(always)]
-fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 3]) {
+pub(crate) fn shape([p00, p10, p01, p11]: [Vector; 4], axis: Vector) -> (Vector, [f64; 3]) {
     let up = unit(axes(|k| p00[k] + p10[k] + p01[k] + p11[k]));
     let share = dot(axis, up);
     let first = unit(axes(|k| axis[k] - up[k] * share));

@@ -1,7 +1,10 @@
 //! How meshes are written, as options that `mesh` and `simplify` share.
 
-use anyhow::ensure;
-use terrane_planet::export::{Format, Model, Up};
+use super::packing::Meshoptimizer;
+use super::pictures;
+use anyhow::{bail, ensure, Context as _};
+use std::path::{Path, PathBuf};
+use terrane_planet::export::{check_map_side, Format, Model, Sidecar, Up};
 
 /// The axis that points up.
 #[derive(clap::ValueEnum, Clone, Copy)]
@@ -27,6 +30,17 @@ pub(crate) struct ExportOptions {
     /// extent along each axis.
     #[arg(long)]
     quantize: bool,
+    /// Pack the numbers of the GLB with meshoptimizer's codecs (EXT_meshopt_compression, which readers must then know); nothing is lost.
+    #[arg(long)]
+    compress: bool,
+    /// Put maps of the ground into the GLB, so many texels along the longer side (a power of two from 64 to 8192), so that few triangles look like
+    /// their ground: a normal map, and on a planet the albedo. The vertex normals then point straight up.
+    #[arg(long, value_name = "TEXELS", conflicts_with = "solid")]
+    pub(crate) maps: Option<u32>,
+    /// Write where the mesh lies into two files beside it: x.prj, the coordinate system as WKT (or its proj string where no WKT is
+    /// known; no file where no system is), and x.txt, its axes, unit and origin.
+    #[arg(long)]
+    pub(crate) sidecar: bool,
 }
 
 impl ExportOptions {
@@ -43,6 +57,15 @@ impl ExportOptions {
             "--quantize: {} files cannot hold it; write a .glb or leave it out",
             format.name()
         );
+        ensure!(
+            format == Format::Glb || !self.compress,
+            "--compress: {} files cannot hold it; write a .glb or leave it out",
+            format.name()
+        );
+        if let Some(side) = self.maps {
+            ensure!(format == Format::Glb, "--maps: {} files hold no maps; write a .glb or leave it out", format.name());
+            check_map_side(side).context("--maps")?;
+        }
         match self.up {
             Some(UpOption::Z) if format == Format::Glb => {
                 anyhow::bail!("--up z: glTF is Y-up by its specification, and programs turn it themselves; leave it out")
@@ -53,10 +76,33 @@ impl ExportOptions {
         }
     }
 
+    /// The files beside a mesh that are asked for.
+    pub(crate) fn sidecar(&self, model: &Model, format: Format) -> anyhow::Result<Option<Sidecar>> {
+        let up = self.check(format)?;
+        Ok(self.sidecar.then(|| model.sidecar(format, up)))
+    }
+
+    /// Fails if a file beside a mesh would take the place of one beside an input.
+    pub(crate) fn check_sidecar(&self, mesh: &Path, inputs: &[PathBuf]) -> anyhow::Result<()> {
+        let folder = |path: &Path| path.parent().map(|parent| Path::new(".").join(parent)).and_then(|p| p.canonicalize().ok());
+        let is_beside = |input: &&PathBuf| input.file_stem() == mesh.file_stem() && folder(input) == folder(mesh);
+        match inputs.iter().find(is_beside).filter(|_| self.sidecar) {
+            Some(input) => bail!(
+                "--sidecar: {} may belong to {}; give the mesh another name",
+                mesh.with_extension("prj").display(),
+                input.display()
+            ),
+            None => Ok(()),
+        }
+    }
+
     /// The bytes of a file.
     pub(crate) fn encode(&self, model: Model, format: Format) -> anyhow::Result<Vec<u8>> {
         let up = self.check(format)?;
         let model = if self.quantize { model.quantized() } else { model };
+        if self.compress {
+            return Ok(model.encode_packed(&Meshoptimizer)?);
+        }
         Ok(model.encode(format, up)?)
     }
 
@@ -67,4 +113,16 @@ impl ExportOptions {
             Up::Z => "z",
         })
     }
+}
+
+/// Writes the files beside a mesh.
+pub(crate) fn write_sidecar(mesh: &Path, sidecar: &Sidecar) -> anyhow::Result<()> {
+    let write = |extension: &str, text: &str| {
+        let path = mesh.with_extension(extension);
+        pictures::write_whole(&path, text.as_bytes()).with_context(|| format!("cannot write {}", path.display()))
+    };
+    if let Some(projection) = &sidecar.projection {
+        write("prj", projection)?;
+    }
+    write("txt", &sidecar.text)
 }

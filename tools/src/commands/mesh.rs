@@ -1,6 +1,6 @@
 //! `terrane mesh`: the triangles of a view, for other programs.
 
-use super::exporting::ExportOptions;
+use super::exporting::{write_sidecar, ExportOptions};
 use super::output::{check_output, Output};
 use super::viewing::CameraOptions;
 use super::{pictures, Run};
@@ -55,6 +55,7 @@ impl Run for Mesh {
         let format = Format::of(&self.out)?;
         self.export.check(format)?;
         check_output("--out", &self.out, Output::File(&[]))?;
+        self.export.check_sidecar(&self.out, std::slice::from_ref(&self.file))?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
         let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));
@@ -65,13 +66,18 @@ impl Run for Mesh {
             (Some(Centre::Planet), _) | (None, _) => IVec3::ZERO,
         };
         let placed = Placed { surface: &surface, origin, lattice: planet.lattice };
-        let model = match self.export.solid {
-            Some(below) => placed.solid(below),
-            None => placed.model_with_normals(&planet.ground()),
+        let model = match (self.export.solid, self.export.maps) {
+            (Some(below), _) => placed.solid(below),
+            (None, Some(side)) => placed.model_with_maps(&planet.ground(), &planet.terrain, side)?,
+            (None, None) => placed.model_with_normals(&planet.ground()),
         };
-        let made = Made { triangles: model.triangle_count(), vertices: model.vertex_count(), open_edges: model.open_edges() };
+        // With maps vertices are there once a patch, which opens no edge of the surface.
+        let open_edges = if self.export.solid.is_some() { model.open_edges() } else { surface.open_edges() };
+        let made = Made { triangles: model.triangle_count(), vertices: model.vertex_count(), open_edges };
+        let sidecar = self.export.sidecar(&model, format)?;
         let bytes = self.export.encode(model, format)?;
         pictures::write_whole(&self.out, &bytes).with_context(|| format!("cannot write the mesh {}", self.out.display()))?;
+        sidecar.map_or(Ok(()), |sidecar| write_sidecar(&self.out, &sidecar))?;
         self.print(&placed, &made, format, bytes.len(), &view)?;
         Ok(Outcome::Done)
     }
@@ -86,13 +92,13 @@ struct Made {
 
 impl Mesh {
     fn print(&self, placed: &Placed, made: &Made, format: Format, bytes: usize, view: &View) -> anyhow::Result<()> {
-        let (patches, largest) = (placed.surface.patches, placed.largest_coordinate());
+        let (patches, largest) = (placed.surface.parts.len(), placed.largest_coordinate());
         let &Made { triangles, vertices, open_edges } = made;
         if self.json {
             let summary = json!({
                 "mesh": self.out, "format": format.name(), "triangles": triangles, "vertices": vertices, "patches": patches,
                 "closed": open_edges == 0, "open_edges": open_edges, "largest_coordinate_m": largest, "bytes": bytes,
-                "origin_lattice": placed.origin.to_array(), "unit_m": placed.lattice.unit,
+                "origin_lattice": placed.origin.to_array(), "unit_m": placed.lattice.unit, "georeference": placed.origin().json(),
                 "scale": view.scale, "up": self.export.up_name(format)?, "solid": self.export.solid.is_some(),
             });
             println!("{summary}");

@@ -17,6 +17,7 @@ mod height;
 mod info;
 mod mesh;
 mod output;
+mod packing;
 mod paths;
 mod pictures;
 mod radiance;

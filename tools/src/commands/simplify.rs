@@ -2,7 +2,7 @@
 
 mod input;
 
-use super::exporting::ExportOptions;
+use super::exporting::{write_sidecar, ExportOptions};
 use super::output::{check_output, Output};
 use super::{pictures, Run};
 use crate::Outcome;
@@ -15,8 +15,8 @@ use std::io::{IsTerminal, Write as _};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 use terrane_heightfield::classic::{Cost, Level, Levels};
-use terrane_heightfield::{Heightfield, Holes};
-use terrane_planet::export::{Format, Model, Picture, EXTENSIONS};
+use terrane_heightfield::{Heightfield, Holes, TriangleSurface};
+use terrane_planet::export::{Format, Model, Origin, Picture, EXTENSIONS};
 
 /// What chooses the vertices that go first.
 #[derive(clap::ValueEnum, Clone, Copy)]
@@ -75,6 +75,15 @@ enum Goal {
     Error(f64),
 }
 
+/// What all levels are meshes of.
+struct Ground<'a> {
+    field: &'a Heightfield,
+    /// Metres a sample spacing east and north, and a unit of height.
+    scale: DVec3,
+    origin: Option<Origin>,
+    picture: Option<Picture>,
+}
+
 impl Run for Simplify {
     fn run(self) -> anyhow::Result<Outcome> {
         let format = self.mesh_format()?;
@@ -82,7 +91,9 @@ impl Run for Simplify {
         let picture = self.picture(format)?;
         let goals = self.goals()?;
         for &goal in goals.iter().filter(|_| !self.to_stdout()) {
-            check_output("--out", &self.path(goal, goals.len() > 1), Output::File(&[]))?;
+            let path = self.path(goal, goals.len() > 1);
+            check_output("--out", &path, Output::File(&[]))?;
+            self.export.check_sidecar(&path, &self.input.files)?;
         }
         let cuts = self.input.gaps == Gaps::Cut;
         ensure!(
@@ -95,7 +106,7 @@ impl Run for Simplify {
             self.cost.cost().name()
         );
         let mut read = self.input.read(self.cost.bytes_a_sample())?;
-        let described = read.described();
+        let (described, origin) = (read.described(), read.origin());
         let (image, scale) = (&mut read.image, read.scale);
         let holes = Holes::of(&image.field).filter(|_| self.input.gaps == Gaps::Cut);
         let samples = image.field.heights().len();
@@ -116,6 +127,7 @@ impl Run for Simplify {
             levels = levels.with_polish();
         }
         let seconds = begun.elapsed().as_secs_f64();
+        let ground = Ground { field: &image.field, scale, origin, picture };
         let mut rows = Vec::new();
         for &goal in &goals {
             let level = match goal {
@@ -123,7 +135,7 @@ impl Run for Simplify {
                 Goal::Error(metres) => levels.of_error(metres / scale.z),
             };
             let path = self.path(goal, goals.len() > 1);
-            rows.push(self.write_level(&level, &image.field, picture.clone(), (&path, format), scale)?);
+            rows.push(self.write_level(&level, &ground, (&path, format))?);
         }
         if self.json {
             println!("{}", self.summary(described, filled, seconds, rows));
@@ -183,6 +195,7 @@ impl Simplify {
         );
         ensure!(self.faces.len() + self.error.len() == 1, "--out -: found several levels, expected one, or the name of a file");
         ensure!(!self.json, "--out -: found --json, expected one or the other: both would go to stdout");
+        ensure!(!self.export.sidecar, "--out -: found --sidecar, expected the name of a file for it to lie beside");
         Ok(Format::of(&Path::new("stdout").with_extension(name.trim_start_matches('.')))?)
     }
 
@@ -223,34 +236,39 @@ impl Simplify {
         Ok(Some(picture.with_context(|| format!("--texture: {} is neither a PNG nor a JPEG; convert it", path.display()))?))
     }
 
-    fn write_level(
-        &self,
-        level: &Level,
-        field: &Heightfield,
-        picture: Option<Picture>,
-        (path, format): (&Path, Format),
-        scale: DVec3,
-    ) -> anyhow::Result<Value> {
+    /// A surface with all that its file holds.
+    fn model<'a>(&self, surface: &'a TriangleSurface, ground: &Ground) -> anyhow::Result<Model<'a>> {
+        let mut model = Model::of_heightfield(surface, ground.field, ground.scale);
+        if let Some(origin) = &ground.origin {
+            model = model.with_origin(origin.clone());
+        }
+        if let Some(below) = self.export.solid {
+            model = model.solid(below);
+        }
+        if let Some(picture) = &ground.picture {
+            model = model.with_picture(surface, [ground.field.columns(), ground.field.rows()], picture.clone());
+        }
+        if let Some(side) = self.export.maps {
+            model = model.with_normal_map(surface, ground.field, ground.scale, side)?;
+        }
+        Ok(model)
+    }
+
+    fn write_level(&self, level: &Level, ground: &Ground, (path, format): (&Path, Format)) -> anyhow::Result<Value> {
         let begun = Instant::now();
         let Level { surface, deviation } = level;
-        let model = Model::of_heightfield(surface, field, scale);
-        let model = match self.export.solid {
-            Some(below) => model.solid(below),
-            None => model,
-        };
-        let model = match picture {
-            Some(picture) => model.with_picture(surface, [field.columns(), field.rows()], picture),
-            None => model,
-        };
+        let model = self.model(surface, ground)?;
         let (volume, written) = (self.export.solid.map(|_| model.volume()), model.triangle_count());
+        let sidecar = self.export.sidecar(&model, format)?;
         let bytes = self.export.encode(model, format)?;
         if self.to_stdout() {
             std::io::stdout().lock().write_all(&bytes).context("cannot write the mesh to stdout")?;
         } else {
             pictures::write_whole(path, &bytes).with_context(|| format!("cannot write the mesh {}", path.display()))?;
+            sidecar.map_or(Ok(()), |sidecar| write_sidecar(path, &sidecar))?;
         }
         let (faces, vertices) = (surface.faces.len(), surface.positions.len());
-        let (max, rms) = (deviation.max * scale.z, deviation.rms * scale.z);
+        let (max, rms) = (deviation.max * ground.scale.z, deviation.rms * ground.scale.z);
         let seconds = begun.elapsed().as_secs_f64();
         if !self.json {
             let megabytes = bytes.len() as f64 / 1e6;

@@ -3,7 +3,7 @@
 //!
 //! Datums are not shifted into one another: degrees stay as they are.
 
-use super::Ellipsoid;
+use super::{wkt, Ellipsoid};
 use crate::angles::sin_cos;
 use proj4rs::transform::transform;
 use proj4rs::Proj;
@@ -31,6 +31,8 @@ pub(super) struct Crs {
     pub(super) height_unit_m: Option<f64>,
     /// Whether its datum lies more than some metres beside WGS 84.
     pub(super) is_shifted: bool,
+    /// The same as WKT, on one line, if a table or its owner gave that.
+    pub(super) wkt: Option<String>,
 }
 
 /// What coordinates are.
@@ -73,7 +75,8 @@ impl Crs {
         }
         if text.contains('[') {
             let proj = proj4wkt::wkt_to_projstring(text).map_err(|e| format!("WKT that cannot be read ({e:?})"))?;
-            return Crs::of_proj(&proj, &proj);
+            let wkt = Some(text.split_whitespace().collect::<Vec<_>>().join(" "));
+            return Ok(Crs { wkt, ..Crs::of_proj(&proj, &proj)? });
         }
         Err(format!("'{text}'"))
     }
@@ -82,7 +85,8 @@ impl Crs {
     pub(super) fn of_code(code: u16) -> Result<Crs, String> {
         let name = format!("EPSG:{code}");
         let Some(known) = crs_definitions::from_code(code) else { return Err(format!("{name}, which no table here has")) };
-        let mut crs = Crs::of_proj(known.proj4, &name)?;
+        let wkt = Some(known.wkt.trim().to_owned()).filter(|wkt| !wkt.is_empty());
+        let mut crs = Crs { wkt, ..Crs::of_proj(known.proj4, &name)? };
         if let (true, Kind::Geographic { unit_deg, .. }) = (IN_GRADS.contains(&code), &mut crs.kind) {
             *unit_deg = 0.9;
         }
@@ -122,7 +126,13 @@ impl Crs {
         };
         let height_unit_m = value("vunits").map(|unit| read(&format!("+proj=longlat +vunits={unit}"))).transpose()?;
         let height_unit_m = height_unit_m.map(|proj| proj.vto_meter());
-        Ok(Crs { name: name.to_owned(), body, kind, height_unit_m, is_shifted: is_shifted(&value) })
+        Ok(Crs { name: name.to_owned(), body, kind, height_unit_m, is_shifted: is_shifted(&value), wkt: None })
+    }
+
+    /// The same as WKT 1: as it was given, or made up for angles on a body of a size.
+    pub(super) fn wkt(&self) -> Option<String> {
+        let Kind::Geographic { unit_deg, meridian } = self.kind else { return self.wkt.clone() };
+        Some(self.wkt.clone().unwrap_or_else(|| wkt::geographic(&self.body, meridian, unit_deg)))
     }
 
     /// The name of its unit.

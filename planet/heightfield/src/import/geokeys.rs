@@ -105,7 +105,10 @@ impl GeoKeys {
         };
         match (self.table_code(ANGULAR_UNIT), &mut crs.kind) {
             (Some(code), Kind::Geographic { unit_deg, .. }) => {
-                *unit_deg = angle_deg(code).ok_or_else(|| format!("angles in unit {code}"))?;
+                let stated = angle_deg(code).ok_or_else(|| format!("angles in unit {code}"))?;
+                // What the table says is then of another unit.
+                crs.wkt = crs.wkt.filter(|_| stated == *unit_deg);
+                *unit_deg = stated;
             }
             (None, Kind::Geographic { .. }) => (),
             (_, Kind::Projected(_)) => return Err(format!("{}, which is not in degrees", crs.name)),

@@ -24,6 +24,7 @@ mod png;
 mod raw;
 mod tiff;
 mod tiff_samples;
+mod wkt;
 
 pub use error::{Fault, ImportError};
 pub use geography::{Ellipsoid, GeographicGrid};

@@ -15,6 +15,8 @@ const UNEVEN: f64 = 0.02;
 pub struct Georeference {
     /// The coordinate system: `EPSG:32632`, or a proj string.
     pub crs: String,
+    /// The same as WKT 1 on one line, for programs that want it; none for a projection that no table has.
+    pub wkt: Option<String>,
     /// Coordinates of the north-western sample.
     pub origin: [f64; 2],
     /// Units from a sample to the next one east and to the next one south of it, above 0.
@@ -102,7 +104,8 @@ fn geographic(
     let (east, south) = (grid.east(columns), grid.south(rows));
     let corners_deg = [[west, north], [east, north], [west, south], [east, south]];
     let (heading_deg, scale) = (0.0, [1.0; 2]);
-    let georeference = Georeference { crs: crs_name, origin, step, unit, body, middle_deg, corners_deg, heading_deg, scale };
+    let wkt = crs.wkt();
+    let georeference = Georeference { crs: crs_name, wkt, origin, step, unit, body, middle_deg, corners_deg, heading_deg, scale };
     let ends = [grid.north, grid.south(rows)].map(|latitude| crs.body.radian_m(latitude)[0]);
     let ratio = ends[0].max(ends[1]) / ends[0].min(ends[1]).max(1e-9);
     let mut notes = Vec::new();
@@ -148,6 +151,7 @@ fn projected(source: &Source, image: &Imported, crs: &Crs, raster: Raster) -> Re
     }
     let georeference = Georeference {
         crs: crs.name.clone(),
+        wkt: crs.wkt(),
         origin: raster.origin,
         step: raster.step,
         unit: crs.unit(),

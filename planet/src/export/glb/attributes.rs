@@ -1,7 +1,7 @@
 //! The attributes of vertices as GLB files hold them: in single precision, or in 16 bits (`KHR_mesh_quantization`).
 
-use super::super::{Model, Up};
-use super::buffers::{Buffers, Numbers, FLOAT, SHORT, UNSIGNED_INT, UNSIGNED_SHORT};
+use super::super::{ExportError, Model, Up};
+use super::buffers::{Buffers, Numbers, FLOAT, SHORT, UNSIGNED_SHORT};
 use glam::DVec3;
 use serde_json::{json, Map, Value};
 
@@ -28,32 +28,30 @@ impl Grid {
 }
 
 /// Adds all attributes of a mesh; without a grid in single precision. Out: their accessors, by name.
-pub(super) fn add(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Map<String, Value> {
+pub(super) fn add(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Result<Map<String, Value>, ExportError> {
     let mut names = Map::new();
     let mut note = |name: &str, accessor: usize| names.insert(name.to_owned(), accessor.into());
-    note("POSITION", positions(mesh, grid, buffers));
+    note("POSITION", positions(mesh, grid, buffers)?);
     if !mesh.normals.is_empty() {
-        note("NORMAL", normals(mesh, grid, buffers));
+        note("NORMAL", normals(mesh, grid, buffers)?);
+    }
+    if !mesh.tangents.is_empty() {
+        note("TANGENT", tangents(mesh, grid, buffers)?);
     }
     if !mesh.uvs.is_empty() {
-        note("TEXCOORD_0", uvs(mesh, grid.is_some(), buffers));
+        note("TEXCOORD_0", uvs(mesh, grid.is_some(), buffers)?);
     }
-    names
+    Ok(names)
 }
 
-/// Adds the corners of the triangles; with `short`, in 16 bits where that is enough.
-pub(super) fn add_indices(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
-    let corners = mesh.triangles.as_flattened();
+/// Adds the triangles; with `short`, in 16 bits where that is enough.
+pub(super) fn add_triangles(mesh: &Model, short: bool, buffers: &mut Buffers) -> Result<usize, ExportError> {
+    let vertices = mesh.positions.len();
     // The largest number means "begin anew" to some devices.
-    if short && mesh.positions.len() < usize::from(u16::MAX) {
-        let bytes: Vec<u8> = corners.iter().flat_map(|&v| (v as u16).to_le_bytes()).collect();
-        return buffers.indices(UNSIGNED_SHORT, corners.len(), &bytes);
-    }
-    let bytes: Vec<u8> = corners.iter().flat_map(|v| v.to_le_bytes()).collect();
-    buffers.indices(UNSIGNED_INT, corners.len(), &bytes)
+    buffers.triangles(&mesh.triangles, vertices, short && vertices < usize::from(u16::MAX))
 }
 
-fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
+fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Result<usize, ExportError> {
     let count = mesh.positions.len();
     let points = mesh.positions.iter().map(|&p| Up::Y.turn(p));
     let Some(grid) = grid else {
@@ -78,23 +76,30 @@ fn positions(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
 }
 
 /// Normals; on a grid with another step on each axis they are bent so that its scale bends them back.
-fn normals(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> usize {
+fn normals(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Result<usize, ExportError> {
     let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
-    let mut bytes = Vec::new();
-    for &normal in &mesh.normals {
-        let n = (Up::Y.turn(normal) * scale).normalize_or(DVec3::Y).to_array();
-        if grid.is_some() {
-            n.iter().for_each(|c| bytes.extend(((c * I16).round() as i16).to_le_bytes()));
-            bytes.extend([0; 2]);
-        } else {
-            n.iter().for_each(|&c| bytes.extend((c as f32).to_le_bytes()));
-        }
-    }
+    let bent = |normal: &DVec3| (Up::Y.turn(*normal) * scale).normalize_or(DVec3::Y).to_array();
+    let bytes = match grid {
+        Some(_) => mesh.normals.iter().flat_map(bent).enumerate().flat_map(|(k, c)| padded(short(c), k % 3 == 2)).collect(),
+        None => floats(&mesh.normals.iter().flat_map(bent).map(|c| c as f32).collect::<Vec<_>>()),
+    };
     let component = if grid.is_some() { SHORT } else { FLOAT };
     buffers.attribute(&Numbers { component, parts: 3, normalized: grid.is_some() }, mesh.normals.len(), &bytes, None)
 }
 
-fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
+/// Tangents, with +1 for bitangents that are normal × tangent; bent, too, but as ways on the ground.
+fn tangents(mesh: &Model, grid: Option<Grid>, buffers: &mut Buffers) -> Result<usize, ExportError> {
+    let scale = grid.map_or(DVec3::ONE, |grid| grid.step);
+    let bent = |tangent: &DVec3| (Up::Y.turn(*tangent) / scale).normalize_or(DVec3::X).extend(1.0).to_array();
+    let numbers = mesh.tangents.iter().flat_map(bent);
+    let (component, bytes) = match grid {
+        Some(_) => (SHORT, numbers.flat_map(|c| short(c).to_le_bytes()).collect()),
+        None => (FLOAT, floats(&numbers.map(|c| c as f32).collect::<Vec<_>>())),
+    };
+    buffers.attribute(&Numbers { component, parts: 4, normalized: grid.is_some() }, mesh.tangents.len(), &bytes, None)
+}
+
+fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> Result<usize, ExportError> {
     let (component, bytes) = if short {
         let code = |c: &f32| ((f64::from(*c) * U16).round() as u16).to_le_bytes();
         (UNSIGNED_SHORT, mesh.uvs.as_flattened().iter().flat_map(code).collect())
@@ -102,6 +107,16 @@ fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> usize {
         (FLOAT, floats(mesh.uvs.as_flattened()))
     };
     buffers.attribute(&Numbers { component, parts: 2, normalized: short }, mesh.uvs.len(), &bytes, None)
+}
+
+/// A share of one as a number of 16 bits.
+fn short(share: f64) -> i16 {
+    (share * I16).round() as i16
+}
+
+/// The bytes of a number, and two more after the last one of an element.
+fn padded(number: i16, is_last: bool) -> impl Iterator<Item = u8> {
+    number.to_le_bytes().into_iter().chain(is_last.then_some([0; 2]).into_iter().flatten())
 }
 
 fn floats(numbers: &[f32]) -> Vec<u8> {

@@ -1,5 +1,5 @@
 //! Binary glTF 2.0: one node with one mesh of `f32` positions and `u32` indices, with normals where there are some, and a material where
-//! there is a picture; or all of it in 16 bits, by `KHR_mesh_quantization`.
+//! there is a picture; or all of it in 16 bits, by `KHR_mesh_quantization`. A codec packs it, by `EXT_meshopt_compression`.
 //!
 //! glTF is Y-up: (x, y, z) becomes (x, z, -y), a turn by -90° about X. On a planet north is +Y and longitude 0 stays +X; over a
 //! heightfield up is +Y, east +X and north -Z.
@@ -12,10 +12,12 @@
 
 mod attributes;
 mod buffers;
+mod packing;
 
-use super::{ExportError, Model, Picture, Up};
+use super::{ExportError, Model, Origin, Picture, Up};
 use attributes::Grid;
 use buffers::Buffers;
+pub use packing::{MeshCodec, PackingOrder};
 use serde_json::{json, Value};
 
 const MAGIC: u32 = 0x4654_6c67;
@@ -27,36 +29,44 @@ const LINEAR: u32 = 9729;
 const MIPMAPS: u32 = 9987;
 const CLAMP_TO_EDGE: u32 = 33_071;
 
-/// The bytes of a file.
+/// The bytes of a file, whose numbers a codec packs if there is one.
 ///
 /// # Errors
-/// For more than the 4 GiB that the format can state.
-pub(super) fn encode(mesh: &Model) -> Result<Vec<u8>, ExportError> {
-    let mut buffers = Buffers::default();
+/// For more than the 4 GiB that the format can state, and where the codec fails.
+pub(super) fn encode(mesh: &Model, codec: Option<&dyn MeshCodec>) -> Result<Vec<u8>, ExportError> {
+    let order = codec.map(|codec| codec.order(&mesh.triangles, mesh.positions.len()));
+    let ordered = order.map(|order| packing::ordered(mesh, &order)).transpose()?;
+    let mesh = ordered.as_ref().unwrap_or(mesh);
+    let mut buffers = Buffers::packed_by(codec);
     let grid = mesh.quantized.then(|| Grid::of(mesh));
-    let attributes = attributes::add(mesh, grid, &mut buffers);
-    let indices = attributes::add_indices(mesh, mesh.quantized, &mut buffers);
+    let attributes = attributes::add(mesh, grid, &mut buffers)?;
+    let indices = attributes::add_triangles(mesh, mesh.quantized, &mut buffers)?;
     let mut primitive = json!({ "attributes": attributes, "indices": indices, "mode": 4 });
     let mut document = json!({
         "asset": {
             "version": "2.0", "generator": concat!("Terrane ", env!("CARGO_PKG_VERSION")),
-            "extras": { "unit": "metre", "axes": mesh.axes(Up::Y), "origin": mesh.provenance },
+            "extras": {
+                "unit": "metre", "axes": mesh.axes(Up::Y), "origin": mesh.provenance,
+                "georeference": mesh.origin.as_ref().map(Origin::json),
+            },
         },
         "scene": 0, "scenes": [{ "nodes": [0] }], "nodes": nodes(mesh, grid),
     });
-    if let Some(picture) = &mesh.albedo {
+    if mesh.albedo.is_some() || mesh.normal_map.is_some() {
         primitive["material"] = 0.into();
-        add_material(picture, &mut document, &mut buffers);
+        add_material(mesh, &mut document, &mut buffers);
     }
     document["meshes"] = json!([{ "primitives": [primitive] }]);
-    if mesh.quantized {
-        document["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
-        document["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
+    let quantized = mesh.quantized.then_some("KHR_mesh_quantization");
+    let extensions: Vec<&str> = quantized.into_iter().chain(codec.map(|_| packing::EXTENSION)).collect();
+    if !extensions.is_empty() {
+        document["extensionsUsed"] = json!(extensions);
+        document["extensionsRequired"] = json!(extensions);
     }
-    let Buffers { bytes, views, accessors } = buffers;
+    document["buffers"] = buffers.described();
+    let Buffers { bytes, views, accessors, .. } = buffers;
     document["accessors"] = accessors.into();
     document["bufferViews"] = views.into();
-    document["buffers"] = json!([{ "byteLength": bytes.len() }]);
     container(document.to_string().into_bytes(), &bytes)
 }
 
@@ -75,14 +85,24 @@ fn single(v: glam::DVec3) -> [f32; 3] {
     v.as_vec3().to_array()
 }
 
-/// Adds a rough, non-metallic material of a picture's colours.
-fn add_material(picture: &Picture, document: &mut Value, buffers: &mut Buffers) {
-    document["materials"] = json!([{
-        "name": "ground",
-        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0.0, "roughnessFactor": 1.0 },
-    }]);
-    document["images"] = json!([{ "bufferView": buffers.picture(&picture.bytes), "mimeType": picture.mime }]);
-    document["textures"] = json!([{ "sampler": 0, "source": 0 }]);
+/// Adds a rough, non-metallic material of a mesh's pictures.
+fn add_material(mesh: &Model, document: &mut Value, buffers: &mut Buffers) {
+    let mut material = json!({ "name": "ground", "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 } });
+    let (mut images, mut textures) = (Vec::new(), Vec::new());
+    let mut add = |name: &str, picture: &Picture| {
+        textures.push(json!({ "sampler": 0, "source": images.len() }));
+        images.push(json!({ "name": name, "bufferView": buffers.picture(&picture.bytes), "mimeType": picture.mime }));
+        json!({ "index": textures.len() - 1 })
+    };
+    if let Some(picture) = &mesh.albedo {
+        material["pbrMetallicRoughness"]["baseColorTexture"] = add("albedo", picture);
+    }
+    if let Some(picture) = &mesh.normal_map {
+        material["normalTexture"] = add("normals", picture);
+    }
+    document["materials"] = json!([material]);
+    document["images"] = images.into();
+    document["textures"] = textures.into();
     document["samplers"] = json!([{ "magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE }]);
 }
 

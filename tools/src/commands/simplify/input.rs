@@ -7,6 +7,7 @@ use std::io::Read as _;
 use std::path::{Path, PathBuf};
 use terrane_heightfield::import;
 use terrane_heightfield::import::{Encoding, Imported, NoData, Options, RawType, Values, Window};
+use terrane_planet::export::Origin;
 
 /// Metres between samples of a file that does not say.
 const DEFAULT_SPACING_M: f64 = 1.0;
@@ -217,6 +218,12 @@ impl Read {
         }
     }
 
+    /// Where the south-western sample lies, if that is known.
+    pub(super) fn origin(&self) -> Option<Origin> {
+        let rows = self.image.field.rows();
+        self.image.georeference.as_ref().map(|place| Origin::of_heightfield(place, rows, [self.scale.x, self.scale.y]))
+    }
+
     /// The same for `--json`.
     pub(super) fn described(&self) -> Value {
         let Imported { field, grid, georeference, .. } = &self.image;
@@ -232,6 +239,7 @@ impl Read {
             "step": place.map(|p| p.step), "unit": place.map(|p| &p.unit), "radius_m": place.map(|p| p.body.semi_major_m),
             "middle_deg": place.map(|p| p.middle_deg), "heading_deg": place.map(|p| p.heading_deg),
             "no_data": self.image.declared_no_data, "gaps": self.image.no_data, "notes": self.image.notes,
+            "georeference": self.origin().as_ref().map(Origin::json),
         })
     }
 }

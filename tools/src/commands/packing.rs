@@ -1,0 +1,41 @@
+//! meshoptimizer's codecs, for GLB files with `EXT_meshopt_compression`.
+
+use terrane_planet::export::glb::{MeshCodec, PackingOrder};
+
+/// Version of the format of attributes that the extension allows; meshoptimizer's own default is newer.
+const ATTRIBUTES_VERSION: i32 = 0;
+
+/// How hard it tries, which version 0 ignores.
+const LEVEL: i32 = 2;
+
+/// The codecs.
+pub(crate) struct Meshoptimizer;
+
+impl MeshCodec for Meshoptimizer {
+    fn order(&self, triangles: &[[u32; 3]], vertices: usize) -> PackingOrder {
+        let corners = meshopt::optimize_vertex_cache(triangles.as_flattened(), vertices);
+        let table = meshopt::optimize_vertex_fetch_remap(&corners, vertices);
+        let mut order: Vec<(u32, u32)> = table.into_iter().zip(0..).filter(|(new, _)| *new != u32::MAX).collect();
+        order.sort_unstable();
+        PackingOrder { triangles: corners.as_chunks::<3>().0.to_vec(), vertices: order.into_iter().map(|(_, old)| old).collect() }
+    }
+
+    fn attributes(&self, bytes: &[u8], stride: usize) -> Result<Vec<u8>, String> {
+        match stride {
+            4 => packed::<4>(bytes),
+            8 => packed::<8>(bytes),
+            12 => packed::<12>(bytes),
+            16 => packed::<16>(bytes),
+            _ => Err(format!("elements of {stride} bytes")),
+        }
+    }
+
+    fn triangles(&self, triangles: &[[u32; 3]], vertices: usize) -> Result<Vec<u8>, String> {
+        meshopt::encode_index_buffer(triangles.as_flattened(), vertices).map_err(|error| error.to_string())
+    }
+}
+
+fn packed<const BYTES: usize>(bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let elements = bytes.as_chunks::<BYTES>().0;
+    meshopt::encode_vertex_buffer_level(elements, LEVEL, Some(ATTRIBUTES_VERSION)).map_err(|error| error.to_string())
+}
