@@ -15,13 +15,10 @@ use terrane_planet::globe::patch::PatchId;
 use terrane_planet::mesh::progressive::PatchFacts;
 use terrane_planet::query::PatchGrid;
 use terrane_planet::store::StoreError;
-use thread_priority::{ThreadPriority, ThreadPriorityValue};
+use thread_priority::ThreadPriority;
 
 /// Least number of workers: reading and decoding alone keeps two busy.
 const LEAST_WORKERS: usize = 2;
-
-/// Priority of workers beside a window, of 99: a "nice" of about 10.
-const BACKGROUND: u8 = 25;
 
 /// How long arrivals are gathered before the cut is chosen anew.
 const MOMENT: Duration = Duration::from_millis(20);
@@ -227,13 +224,11 @@ impl Shared {
     }
 }
 
-/// Lets frames go before what this thread does, where a software renderer draws them on the same processors. Without effect where the
-/// system does not allow it.
+/// Lets frames go before what this thread does, where a software renderer draws them on the same processors: the lowest priority still
+/// runs in the gaps that every frame leaves. Without effect where the system does not allow it.
 fn step_back() {
-    if let Some(priority) = ThreadPriorityValue::try_from(BACKGROUND).ok().map(ThreadPriority::Crossplatform) {
-        if let Err(error) = priority.set_for_current() {
-            tracing::debug!("workers keep their priority: {error:?}");
-        }
+    if let Err(error) = ThreadPriority::Min.set_for_current() {
+        tracing::debug!("workers keep their priority: {error:?}");
     }
 }
 
