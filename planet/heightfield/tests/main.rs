@@ -14,3 +14,4 @@ mod kinds_of_places;
 mod kinds_of_samples;
 mod peer;
 mod tiff_file;
+mod world_files;

@@ -78,14 +78,15 @@ impl Header {
     }
 
     fn place(&self, source: &Source, image: Imported, projection: Option<&str>) -> Imported {
-        let placed = self.raster(source, &image).and_then(|raster| Ok((crs(source, raster, &image, projection)?, raster)));
+        let named = source.options.crs.as_deref().or(projection);
+        let system = |text| {
+            let known = Crs::of_user(text);
+            known.map_err(|found| source.refuse(Fault::Place, found, "a coordinate system that is known"))
+        };
+        let placed = self.raster(source, &image).and_then(|raster| Ok((named.map(system).transpose()?, raster)));
         match placed {
             Ok((Some(crs), raster)) => place::place(source, image, &crs, raster),
-            Ok((None, raster)) => {
-                let mut image = Imported { spacing_m: Some(raster.step), ..image };
-                image.notes.push("names no coordinate system: its steps are taken as metres (--crs says otherwise)".into());
-                image
-            }
+            Ok((None, raster)) => placed_without_system(source, image, raster.origin, raster.step),
             Err(error) => Imported { unplaced: Some(Box::new(error)), ..image },
         }
     }
@@ -103,18 +104,17 @@ impl Header {
     }
 }
 
-/// The coordinate system: as the user or the file beside the grid names it; none where steps can only be lengths.
-fn crs(source: &Source, raster: Raster, image: &Imported, projection: Option<&str>) -> Result<Option<Crs>, ImportError> {
-    let refuse = |found: String, expected: &str| source.refuse(Fault::Place, found, expected);
-    if let Some(text) = source.options.crs.as_deref().or(projection) {
-        return Crs::of_user(text).map(Some).map_err(|found| refuse(found, "a coordinate system that is known"));
-    }
-    let ([west, north], [across, down]) = (raster.origin, raster.step);
+/// The image where no system is named: steps can only be lengths, unless they may be degrees.
+pub(super) fn placed_without_system(source: &Source, image: Imported, [west, north]: [f64; 2], step: [f64; 2]) -> Imported {
+    let [across, down] = step;
     let [east, south] = [west + image.field.columns() as f64 * across, north - image.field.rows() as f64 * down];
     let on_globe = west >= -361.0 && east <= 541.0 && south >= -91.0 && north <= 91.0;
     if on_globe && across.max(down) < LARGEST_STEP_DEG {
         let found = format!("steps of {across}, which may be degrees");
-        return Err(refuse(found, "a coordinate system, of which the format holds none"));
+        let error = source.refuse(Fault::Place, found, "a coordinate system, of which the format holds none");
+        return Imported { unplaced: Some(Box::new(error)), ..image };
     }
-    Ok(None)
+    let mut image = Imported { spacing_m: Some(step), ..image };
+    image.notes.push("names no coordinate system: its steps are taken as metres (--crs says otherwise)".into());
+    image
 }

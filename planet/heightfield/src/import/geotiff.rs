@@ -18,7 +18,6 @@ pub(super) struct Tags {
 }
 
 /// Six numbers from columns and rows to coordinates, in GDAL's order.
-#[cfg(feature = "gdal")]
 pub(super) type Affine = [f64; 6];
 
 /// From columns and rows to coordinates.
@@ -54,7 +53,6 @@ pub(super) struct Turned {
 impl Tags {
     /// Those of a raster whose place another library has read: coordinates of corners, in a system that the user's, else this
     /// one, names.
-    #[cfg(feature = "gdal")]
     pub(super) fn of_affine([x, a, b, y, d, e]: Affine) -> Tags {
         let keys = GeoKeys { directory: Vec::new(), doubles: Vec::new(), text: String::new() };
         Tags { keys, matrix: Matrix::Affine { origin: [x, y], a, b, d, e } }

@@ -25,6 +25,7 @@ mod raw;
 mod tiff;
 mod tiff_samples;
 mod wkt;
+mod world;
 
 pub use error::{Fault, ImportError};
 pub use geography::{Ellipsoid, GeographicGrid};
@@ -199,9 +200,11 @@ pub fn load_with(path: &Path, options: &Options) -> Result<Imported, ImportError
     source.length = file.metadata().map_err(unreadable)?.len();
     let mut start = Vec::new();
     file.by_ref().take(8).read_to_end(&mut start).map_err(unreadable)?;
+    let projection = std::fs::read_to_string(path.with_extension("prj")).ok();
     if is_tiff(&start) {
         source.path = Some(path);
-        return finished(&source, or_gdal(&source, tiff::read(&source), path)?);
+        let image = world::placed(&source, or_gdal(&source, tiff::read(&source), path)?, path, projection.as_deref());
+        return finished(&source, image);
     }
     if source.length > MOST_BYTES {
         let found = format!("{} bytes", source.length);
@@ -209,9 +212,9 @@ pub fn load_with(path: &Path, options: &Options) -> Result<Imported, ImportError
     }
     let mut bytes = start;
     file.read_to_end(&mut bytes).map_err(unreadable)?;
-    let projection = std::fs::read_to_string(path.with_extension("prj")).ok();
     let source = Source { bytes: &bytes, ..source };
-    or_gdal(&source, decode(&source, projection.as_deref()), path)
+    let image = or_gdal(&source, decode(&source, projection.as_deref()), path)?;
+    Ok(if image.format == Format::Png { world::placed(&source, image, path, projection.as_deref()) } else { image })
 }
 
 /// What GDAL reads of a file that is of a format or a coding that is not known here.
