@@ -21,7 +21,8 @@ pub(super) fn distances(water: &[bool], size: [usize; 2], radius: f64, most_m: f
     let half = (0.5 * PI * radius / size[1] as f64) as f32;
     let from_coast = |to_other: f32| if to_other < most_m { to_other - half } else { most_m };
     let (to_water, to_land) = (to(true), to(false));
-    let signed = |((&water, to_water), to_land): ((&bool, f32), f32)| if water { -from_coast(to_land) } else { from_coast(to_water) };
+    let signed =
+        |((&water, to_water), to_land): ((&bool, f32), f32)| if water { -from_coast(to_land) } else { from_coast(to_water) };
     water.iter().zip(to_water).zip(to_land).map(signed).collect()
 }
 
