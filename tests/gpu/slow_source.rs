@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 use terrane::frame::{sun_over, Look};
 use terrane::headless::Headless;
 use terrane::measure::live::holes;
-use terrane::scene::{OnDemand, Scene, SceneOptions};
+use terrane::scene::{OnDemand, Scene, SceneOptions, Scope};
 use terrane::stills::{Pixels, StillOptions, Studio};
 use terrane::vulkan::Context;
 use terrane_planet::draw::view::{Camera, View};
@@ -53,7 +53,7 @@ fn nothing_finer(planet: &Planet) -> OnDemand {
 }
 
 #[test]
-fn the_picture_over_a_line_is_the_picture_from_the_file() {
+fn the_picture_over_a_line_is_the_picture_from_the_file_and_that_of_whole_meshes() {
     let Some(context) = device() else { return };
     let mut at_hand = Scene::open(&context, planet_file(), SceneOptions::default()).unwrap();
     for (direction, altitude, pitch) in [(DVec3::ONE, 400.0, -15.0), (DVec3::X, 60_000.0, -90.0)] {
@@ -61,6 +61,10 @@ fn the_picture_over_a_line_is_the_picture_from_the_file() {
         let (expected, _) = picture(&context, &mut at_hand, &view);
         let mut far = over_the_line(&context, planet_file(), None);
         assert!(picture(&context, &mut far, &view).0 == expected, "from {altitude} m");
+        // Stills read prefixes of meshes, flights all of them.
+        let mut whole =
+            Scene::open(&context, planet_file(), SceneOptions { scope: Scope::Flight, ..SceneOptions::default() }).unwrap();
+        assert!(picture(&context, &mut whole, &view).0 == expected, "from {altitude} m, with whole meshes");
     }
 }
 
