@@ -7,6 +7,7 @@ use terrane_heightfield::import::photo;
 use terrane_heightfield::import::{Encoding, NoData, Options, RawType, Window, MOST_SAMPLES};
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::Face;
+use terrane_planet::mesh::progressive::MeshPrefix;
 use terrane_planet::store::record::{seal, RecordWriter};
 use terrane_planet::store::{geometry, imagery, surroundings, RecordError};
 
@@ -106,21 +107,23 @@ fn with_magic(magic: &[u8], bytes: &[u8]) -> Vec<u8> {
     bytes
 }
 
-/// The patch and the grid of all records here.
+/// The patch of all records here, and the grid of those of textures and surroundings.
 pub fn patch() -> Option<(PatchId, u32)> {
     Some((PatchId::new(Face::ALL[2], 3, 1, 6)?, 8))
 }
 
+/// The grid of geometry records: the coarsest with several chunks.
+pub const GEOMETRY_CELLS: u32 = 32;
+
 /// Records to decode: the bytes with the lengths and the checksum that their header should state; and one whose streams
 /// decompress, to the bytes and then zeros, so that the fuzzer need not learn to compress.
-fn records(bytes: &[u8], magic: [u8; 4], plain: usize, streams: &[usize]) -> Vec<Vec<u8>> {
+fn records(bytes: &[u8], magic: [u8; 4], streams: &[usize]) -> Vec<Vec<u8>> {
     let Some((id, cells)) = patch() else { return Vec::new() };
     let mut sealed = bytes.to_vec();
     let mut padded = bytes.to_vec();
-    padded.resize(padded.len().max(plain + streams.iter().sum::<usize>()), 0);
+    padded.resize(padded.len().max(streams.iter().sum()), 0);
     let mut record = RecordWriter::new(magic, id, cells);
-    let (head, mut rest) = padded.split_at(plain);
-    record.plain(head);
+    let mut rest = padded.as_slice();
     for &length in streams {
         let (stream, left) = rest.split_at(length);
         record.stream(stream);
@@ -133,13 +136,6 @@ fn records(bytes: &[u8], magic: [u8; 4], plain: usize, streams: &[usize]) -> Vec
     all
 }
 
-/// Vertices of the grid.
-const VERTICES: usize = 81;
-
-/// Bytes of a geometry record before its streams, and how many streams of one byte a vertex follow.
-const MEASURES: usize = 104;
-const PLANES: usize = 14;
-
 /// What a reader accepts it writes again, and reads the same from that.
 fn same_again<T: PartialEq>(
     decoded: T,
@@ -151,10 +147,25 @@ fn same_again<T: PartialEq>(
 }
 
 pub fn geometry(bytes: &[u8]) {
-    let Some((id, cells)) = patch() else { return };
-    let decode = |record: &[u8]| geometry::decode(record, id, cells);
-    for record in records(bytes, geometry::MAGIC, MEASURES, &[VERTICES; PLANES]) {
-        if let Ok(mesh) = decode(&record) {
+    let Some((id, _)) = patch() else { return };
+    let decode = |record: &[u8]| geometry::decode(record, id, GEOMETRY_CELLS);
+    let mut sealed = bytes.to_vec();
+    let sealed = geometry::seal(&mut sealed, id, GEOMETRY_CELLS).then_some(sealed);
+    for record in std::iter::once(geometry::of_raw(bytes, id, GEOMETRY_CELLS)).chain(sealed) {
+        let whole = decode(&record);
+        if let Ok(head) = geometry::Head::read(&record, id, GEOMETRY_CELLS) {
+            for (k, chunk) in head.chunks.iter().enumerate() {
+                let record = &record[..record.len().min(chunk.bytes.end)];
+                let Ok(prefix) = geometry::decode_chunks(&head, record, id, GEOMETRY_CELLS, k + 1) else { continue };
+                assert_eq!((prefix.mesh.vertices.len(), prefix.is_whole()), (chunk.end, k + 1 == head.chunks.len()));
+                assert!(prefix.falls.iter().all(|&vertex| usize::from(vertex) < chunk.end));
+                if let Ok(whole) = &whole {
+                    let same = MeshPrefix::of(whole, chunk.end);
+                    assert!(prefix.mesh == same.mesh && prefix.falls == same.falls, "a chunk reads the same alone");
+                }
+            }
+        }
+        if let Ok(mesh) = whole {
             same_again(mesh, geometry::encode, |record| decode(record).ok());
         }
     }
@@ -164,7 +175,7 @@ pub fn imagery(bytes: &[u8]) {
     let Some((id, cells)) = patch() else { return };
     let texels = terrane_planet::ground::texture::texture_side(cells).pow(2) as usize;
     let decode = |record: &[u8]| imagery::decode(record, id, cells);
-    for record in records(bytes, imagery::MAGIC, 0, &[texels; 6]) {
+    for record in records(bytes, imagery::MAGIC, &[texels; 6]) {
         if let Ok(texture) = decode(&record) {
             same_again(texture, |texture| imagery::encode(texture, id, cells), |record| decode(record).ok());
         }
@@ -175,7 +186,7 @@ pub fn surroundings(bytes: &[u8]) {
     let Some((id, cells)) = patch() else { return };
     let samples = terrane_planet::ground::surroundings::surroundings_side(cells).pow(2);
     let decode = |record: &[u8]| surroundings::decode(record, id, cells);
-    for record in records(bytes, surroundings::MAGIC, 0, &[4 * samples]) {
+    for record in records(bytes, surroundings::MAGIC, &[4 * samples]) {
         if let Ok(heights) = decode(&record) {
             same_again(heights, |heights| surroundings::encode(heights, id, cells), |record| decode(record).ok());
         }

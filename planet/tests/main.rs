@@ -8,6 +8,7 @@ mod whole_planet;
 
 mod bake;
 mod builder;
+mod chunks;
 mod edited_ground;
 mod edits;
 mod export;

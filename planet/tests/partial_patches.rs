@@ -255,7 +255,7 @@ fn damage_to_a_partial_row_is_noticed_and_never_put_right_by_completing_it() {
 /// Formats from 5 on have rows without parts from its start; to readers of records, no bytes were never a patch.
 #[test]
 fn no_bytes_are_no_record() {
-    assert_eq!((FORMAT_VERSION, RECORD_VERSION), (6, 2));
+    assert_eq!((FORMAT_VERSION, RECORD_VERSION), (7, 3));
     let id = ids()[0];
     assert!(matches!(geometry::decode(&[], id, CELLS), Err(RecordError::Short { found: 0, .. })));
     assert!(matches!(imagery::decode(&[], id, CELLS), Err(RecordError::Short { found: 0, .. })));

@@ -1,11 +1,78 @@
 //! Clouds of the planet on the GPU: how much cloud there is in every direction, and finer detail.
 
+use super::keeper::KeeperHandle;
+use super::Scene;
 use crate::vulkan::{vk, Context, Image, ImageDescription, Resource, Result, Sampler, SamplerDescription, Upload};
+use std::sync::mpsc::{channel, Receiver, RecvTimeoutError};
 use std::sync::Arc;
+use std::time::Duration;
 use terrane_planet::maps::clouds::{cloud_detail, cloud_levels, cloud_most, CloudLevel, CLOUD_SIDE, DETAIL_SIDE, MOST_CELL};
+use terrane_planet::planet::Planet;
+use terrane_planet::store::Records;
 
 /// Bytes staged at a time.
 const CHUNK: u64 = 8 << 20;
+
+/// The map of clouds where it takes long to come: everything else goes first.
+pub(super) enum LateClouds {
+    /// How to come by it.
+    Waiting(Box<dyn FnOnce() -> Option<CloudLevel> + Send>),
+    /// On its way.
+    Coming(Receiver<Option<CloudLevel>>),
+}
+
+/// What finds the map of a planet's clouds in its files, or computes it.
+pub(super) fn fetcher(
+    files: Vec<Box<dyn Records>>,
+    planet: Arc<Planet>,
+    keeper: Option<KeeperHandle>,
+) -> impl FnOnce() -> Option<CloudLevel> + Send {
+    move || {
+        let (map, is_new) = planet.clouds(files.iter().map(|file| &**file))?;
+        if let Some(keeper) = keeper.filter(|_| is_new) {
+            keeper.computed(map.clone());
+        }
+        Some(map)
+    }
+}
+
+impl Scene {
+    /// Takes in the clouds, if they are there before a limit.
+    pub(super) fn take_clouds(&mut self, limit: Duration) -> Result<()> {
+        if let Some(map) = self.late_clouds.as_ref().and_then(|clouds| clouds.wait(limit)) {
+            self.clouds = CloudMaps::new(&self.context, self.planet.recipe.seed, map)?;
+            self.late_clouds = None;
+        }
+        Ok(())
+    }
+}
+
+impl LateClouds {
+    /// Lets it come, if it does not yet.
+    pub(super) fn start(self) -> LateClouds {
+        match self {
+            LateClouds::Waiting(fetch) => {
+                let (sender, receiver) = channel();
+                // Nobody waits for it when the scene is gone.
+                std::thread::spawn(move || drop(sender.send(fetch())));
+                LateClouds::Coming(receiver)
+            }
+            coming => coming,
+        }
+    }
+
+    /// The map, if it is there before a limit. Without one it never is.
+    pub(super) fn wait(&self, limit: Duration) -> Option<Option<CloudLevel>> {
+        match self {
+            LateClouds::Waiting(_) => None,
+            LateClouds::Coming(receiver) => match receiver.recv_timeout(limit) {
+                Ok(map) => Some(map),
+                Err(RecvTimeoutError::Timeout) => None,
+                Err(RecvTimeoutError::Disconnected) => Some(None),
+            },
+        }
+    }
+}
 
 /// The maps; of one black texel where the recipe has no clouds.
 pub struct CloudMaps {

@@ -1,6 +1,6 @@
 //! Background workers that read or build patches, most urgent first. Requests that are no longer wanted are dropped.
 
-use super::resident::bytes_of_patch;
+use super::resident::{bytes_of_patch, ResidentMesh};
 use super::source::Source;
 use super::textures::{bytes_of_tile, Relief, TextureMips};
 use super::{SceneError, Scope};
@@ -42,6 +42,18 @@ pub(super) struct LoadedMesh {
     /// The finest index level that is wanted.
     pub(super) finest: usize,
     pub(super) grid: PatchGrid,
+    /// The view that it is for, if it need not be whole.
+    pub(super) view: Option<View>,
+}
+
+impl LoadedMesh {
+    /// Whether it is of use beside what is on the GPU already.
+    pub(super) fn improves(&self, there: &ResidentMesh) -> bool {
+        match &self.view {
+            Some(view) => !there.suffices(view),
+            None => !there.is_whole(),
+        }
+    }
 }
 
 /// Textures ready for upload.
@@ -106,12 +118,17 @@ pub(super) struct Loader {
 }
 
 impl Loader {
-    /// Starts the workers, one a processor, each with a source of its own.
-    pub(super) fn new(most_under_way: usize, source: impl Fn() -> Result<Source, StoreError>) -> Result<Loader, SceneError> {
+    /// Starts the workers, one a processor or `in_flight` if that is more, each with a source of its own.
+    pub(super) fn new(
+        most_under_way: usize,
+        in_flight: usize,
+        source: impl Fn() -> Result<Source, StoreError>,
+    ) -> Result<Loader, SceneError> {
         let shared =
             Arc::new(Shared { queue: Mutex::default(), arrived: AtomicUsize::new(0), changed: Condvar::new(), most_under_way });
         let (sender, arrivals) = channel();
-        let count = std::thread::available_parallelism().map_or(LEAST_WORKERS, usize::from).max(LEAST_WORKERS);
+        let least = in_flight.max(LEAST_WORKERS);
+        let count = std::thread::available_parallelism().map_or(least, usize::from).max(least);
         let mut workers = Vec::new();
         for _ in 0..count {
             let worker = Worker { source: source()?, shared: shared.clone(), sender: sender.clone() };

@@ -21,11 +21,12 @@ pub use resident::{ResidentMesh, ResidentPatch};
 pub use textures::TexturePool;
 
 use crate::vulkan::{Commands, Context, Upload, VulkanError};
+use clouds::LateClouds;
 use glam::DVec3;
 use keeper::Keeper;
 use loader::{Loaded, LoadedMesh, Loader, Parts, Request, Response};
 use options::Budget;
-use source::{Source, Sun, Tally};
+use source::{open_files, Source, Sun, Tally};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -39,11 +40,18 @@ use terrane_planet::globe::patch::{PatchId, MIN_CELLS};
 use terrane_planet::ground::surroundings::KnownSurroundings;
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::query::KnownGround;
+use terrane_planet::store::slow::Line;
 use terrane_planet::store::{PatchRecord, PlanetFile, StoreError};
 use thiserror::Error;
 
 /// Bytes staged at a time.
 const UPLOAD_CHUNK: u64 = 8 << 20;
+
+/// Requests that are under way at a time over a line: its latency is waited out by all of them together.
+const IN_FLIGHT: usize = 16;
+
+/// Longest time to wait for the next patch before looking again.
+const LONGEST_WAIT: Duration = Duration::from_secs(60);
 
 /// Why a scene cannot be opened or kept up to date.
 #[derive(Debug, Error)]
@@ -101,6 +109,7 @@ pub struct Scene {
     ground: DrawnGround,
     textures: TexturePool,
     clouds: CloudMaps,
+    late_clouds: Option<LateClouds>,
     loader: Loader,
     // Dropped after the loader, whose workers hand it what they built.
     _keeper: Option<Keeper>,
@@ -111,6 +120,8 @@ pub struct Scene {
     most_mesh_bytes: u64,
     has_textures: bool,
     scope: Scope,
+    /// Whether the planet file is at the other end of a line.
+    is_far: bool,
     frame: u64,
     settled: bool,
     /// Whether a patch was turned away since the cut was last chosen, because all resident ones were in use.
@@ -123,8 +134,14 @@ impl Scene {
     /// Opens a planet file and loads the six whole faces.
     pub fn open(context: &Arc<Context>, path: &Path, options: SceneOptions) -> Result<Scene, SceneError> {
         let file = PlanetFile::open(path)?;
+        let line = options.delay.map(Line::new);
         let planet = Arc::new(Planet::from_header(file.header())?);
-        let mut records = file.index()?;
+        // Over a line patches are looked up as they are wanted.
+        let looks_up = line.is_some() && options.on_demand.is_some();
+        let mut records = if looks_up { Vec::new() } else { file.index()? };
+        if let Some(line) = &line {
+            line.carry(file.header().bytes() + size_of_val(&*records));
+        }
         if options.on_demand.is_none() {
             records.retain(PatchRecord::has_mesh);
         }
@@ -134,14 +151,13 @@ impl Scene {
         }
         let mut tree = planet.tree(records.iter().map(|r| (r.id, r.facts)));
         let mut most_patches = u32::try_from(records.len()).unwrap_or(u32::MAX);
-        let (mut keeper, mut side) = (None, None);
+        let mut keeper = None;
         if let Some(on_demand) = &options.on_demand {
             tree = tree.built_to(planet.level_of_spacing(on_demand.spacing_m));
             most_patches = u32::MAX;
             keeper = on_demand.cache.as_ref().and_then(|cache| Keeper::start(path, file.header(), cache));
             if let Some(path) = keeper.as_ref().and_then(|keeper| keeper.side.as_ref()) {
-                let file = side.insert(PlanetFile::open(path)?);
-                file.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
+                PlanetFile::open(path)?.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
             }
         }
         let Budget { capacity, mesh_bytes: most_mesh_bytes, under_way } =
@@ -150,13 +166,11 @@ impl Scene {
         let textures = TexturePool::new(context, cells, slots)?;
         let tally = Arc::new(Tally::default());
         let (around, sun) = (Arc::new(KnownSurroundings::default()), Arc::new(RwLock::new(Sun::default())));
-        let loader = Loader::new(under_way, || {
-            let mut files = vec![PlanetFile::open(path)?];
-            if let Some(side) = keeper.as_ref().and_then(|k| k.side.as_ref()) {
-                files.push(PlanetFile::open(side)?);
-            }
+        let side = keeper.as_ref().and_then(|keeper| keeper.side.as_ref());
+        let in_flight = if line.is_some() { IN_FLIGHT } else { 0 };
+        let loader = Loader::new(under_way, in_flight, || {
             Ok(Source {
-                files,
+                files: open_files(path, line.as_ref(), side)?,
                 planet: planet.clone(),
                 builds: options.on_demand.is_some(),
                 textures: options.textures,
@@ -169,13 +183,16 @@ impl Scene {
             })
         })?;
         // The workers read the first patches while the clouds are made.
-        let whole = Parts { mesh: true, texture: options.textures };
-        loader.request(PatchId::roots().map(|id| (id, Request::Load(whole, None), 0.0)).collect());
-        let map = if options.textures { planet.clouds([&file].into_iter().chain(&side)) } else { None };
-        if let (Some((map, true)), Some(keeper)) = (&map, keeper.as_ref().and_then(Keeper::handle)) {
-            keeper.computed(map.clone());
-        }
-        let clouds = CloudMaps::new(context, planet.recipe.seed, map.map(|(map, _)| map))?;
+        let parts = Parts { mesh: true, texture: options.textures && line.is_none() };
+        loader.request(PatchId::roots().map(|id| (id, Request::Load(parts, None), 0.0)).collect());
+        let files = open_files(path, line.as_ref(), side)?;
+        let fetch = clouds::fetcher(files, planet.clone(), keeper.as_ref().and_then(Keeper::handle));
+        let (map, late_clouds) = match options.textures {
+            true if line.is_some() => (None, Some(LateClouds::Waiting(Box::new(fetch)))),
+            true => (fetch(), None),
+            false => (None, None),
+        };
+        let clouds = CloudMaps::new(context, planet.recipe.seed, map)?;
         let mut scene = Scene {
             context: context.clone(),
             ground: DrawnGround::new(KnownGround::new(planet.lattice, planet.cells)),
@@ -184,6 +201,7 @@ impl Scene {
             resident: HashMap::new(),
             textures,
             clouds,
+            late_clouds,
             loader,
             _keeper: keeper,
             tally,
@@ -193,13 +211,14 @@ impl Scene {
             most_mesh_bytes,
             has_textures: options.textures,
             scope: options.scope,
+            is_far: line.is_some(),
             frame: 0,
             settled: false,
             full: false,
             share: 1.0,
         };
         while scene.resident.len() < 6 {
-            let arrived = scene.loader.wait(Duration::from_secs(60))?;
+            let arrived = scene.loader.wait(LONGEST_WAIT)?;
             scene.upload(arrived)?;
         }
         Ok(scene)
@@ -277,6 +296,11 @@ impl Scene {
         SceneTally { read, surveyed, built, build_s: build_us as f64 * 1e-6 }
     }
 
+    /// Whether a cut of a view is a whole picture, however coarse: all that it draws is on the GPU, textures of some level with it.
+    pub fn is_whole(&self, view: &View, cut: &Cut) -> bool {
+        cut.leaves.iter().all(|leaf| self.is_drawable(view, leaf.id))
+    }
+
     /// Whether the latest cut lacks nothing that could still be had: another picture of the same view would be the same.
     pub fn is_settled(&self) -> bool {
         self.settled
@@ -315,6 +339,7 @@ impl Scene {
 
     fn stage_arrived(&mut self, uploads: usize) -> Result<Upload, SceneError> {
         self.frame += 1;
+        self.take_clouds(Duration::ZERO)?;
         let arrived = self.loader.take(uploads)?;
         self.stage(arrived)
     }
@@ -331,7 +356,11 @@ impl Scene {
         let shown = self.textures_shown(view, &cut);
         let stale = self.stale(&shown);
         let complete = cut.wanted.is_empty() && shown.iter().all(|id| self.slot(*id).is_some());
-        self.settled = stale.is_empty() && complete;
+        let is_rest_there = stale.is_empty() && complete;
+        if is_rest_there {
+            self.late_clouds = self.late_clouds.take().map(LateClouds::start);
+        }
+        self.settled = is_rest_there && self.late_clouds.is_none();
         self.mark_used(&cut, &shown);
         let mut orders = self.orders(view, &cut, &shown);
         // Shape before light.
@@ -362,7 +391,10 @@ impl Scene {
                 return Ok(cut);
             }
             show(self.resident.len(), self.loader.pending());
-            let arrived = self.loader.wait(Duration::from_secs(60))?;
+            if self.loader.pending() == 0 {
+                self.take_clouds(LONGEST_WAIT)?;
+            }
+            let arrived = self.loader.wait(LONGEST_WAIT)?;
             self.upload(arrived)?;
         }
     }
@@ -394,7 +426,7 @@ impl Scene {
         }
         let patch = self.resident.get(&id);
         let there = patch.and_then(|patch| patch.mesh.as_ref());
-        let mesh = mesh.filter(|mesh| there.is_none_or(|there| mesh.finest < there.finest()));
+        let mesh = mesh.filter(|mesh| there.is_none_or(|there| mesh.improves(there)));
         let texture = texture.filter(|_| patch.is_none_or(|patch| patch.slot.is_none()));
         if mesh.is_none() && texture.is_none() {
             return Ok(());
@@ -416,9 +448,9 @@ impl Scene {
             (patch.slot, patch.sun) = (Some(slot), texture.relief.sun);
         }
         if let Some(mesh) = mesh {
-            let coarser = patch.mesh.take().map_or(0, |mesh| mesh.buffer().bytes());
+            self.mesh_bytes -= patch.mesh.take().map_or(0, |coarser| coarser.buffer().bytes());
             let resident = ResidentMesh::new(&self.context, upload, &mesh.patch, mesh.finest)?;
-            self.mesh_bytes += resident.buffer().bytes() - coarser;
+            self.mesh_bytes += resident.buffer().bytes();
             patch.mesh = Some(resident);
             self.ground.known.insert(mesh.grid);
         }

@@ -2,6 +2,7 @@
 
 use super::keeper::CacheOptions;
 use super::{drawn_ground, loader, resident, textures};
+use terrane_planet::store::slow::Delay;
 
 /// Fewest patches on the GPU: the six whole faces, and the children of one.
 const LEAST_PATCHES: u32 = 10;
@@ -57,18 +58,34 @@ pub struct SceneOptions {
     pub on_demand: Option<OnDemand>,
     /// Which patches are loaded.
     pub scope: Scope,
+    /// Reads the planet file as over a line that is so slow, for measurements.
+    pub delay: Option<Delay>,
 }
 
 impl SceneOptions {
     /// Every patch that a view asks for, without textures: for checks of the mesh.
     pub fn whole_mesh() -> Self {
-        SceneOptions { gpu_bytes: u64::MAX, host_bytes: u64::MAX, textures: false, on_demand: None, scope: Scope::Whole }
+        SceneOptions {
+            gpu_bytes: u64::MAX,
+            host_bytes: u64::MAX,
+            textures: false,
+            on_demand: None,
+            scope: Scope::Whole,
+            delay: None,
+        }
     }
 }
 
 impl Default for SceneOptions {
     fn default() -> Self {
-        SceneOptions { gpu_bytes: 3 << 30, host_bytes: 1 << 30, textures: true, on_demand: None, scope: Scope::Still }
+        SceneOptions {
+            gpu_bytes: 3 << 30,
+            host_bytes: 1 << 30,
+            textures: true,
+            on_demand: None,
+            scope: Scope::Still,
+            delay: None,
+        }
     }
 }
 

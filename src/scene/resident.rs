@@ -36,7 +36,7 @@ pub struct ResidentMesh {
     buffer: Buffer,
     /// Device address where the triangles of the finest level would begin.
     triangles: u64,
-    /// The finest index level that is there: 0 if all of it is.
+    /// The finest index level that is there: 0 if all of what was loaded is.
     finest: usize,
 }
 
@@ -64,12 +64,12 @@ impl ResidentMesh {
 
     /// Whether all is there that a view can wake.
     pub fn suffices(&self, view: &View) -> bool {
-        self.finest == 0 || self.finest <= self.reach.finest(view)
+        self.reach.suffices(view) && (self.finest == 0 || self.finest <= self.reach.finest(view))
     }
 
-    /// The finest index level that is there.
-    pub(super) fn finest(&self) -> usize {
-        self.finest
+    /// Whether all of the patch is there.
+    pub(super) fn is_whole(&self) -> bool {
+        self.finest == 0 && self.reach.is_whole()
     }
 
     /// What a view looks at, for which it [`suffices`](ResidentMesh::suffices).

@@ -6,24 +6,26 @@ use super::loader::{Loaded, LoadedMesh, LoadedTexture, Parts};
 use super::options::Scope;
 use super::textures::{Relief, TextureMips};
 use glam::DVec3;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 use terrane_planet::draw::cut::{shows_textures, urgency};
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
+use terrane_planet::draw::work::sleeps;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::ground::horizon::HorizonMap;
 use terrane_planet::ground::surroundings::{sample_surroundings, KnownSurroundings, Surroundings};
 use terrane_planet::ground::texture::PatchTexture;
 use terrane_planet::ground::Ground;
-use terrane_planet::mesh::progressive::{PatchFacts, PatchMesh};
+use terrane_planet::mesh::progressive::{MeshPrefix, PatchFacts};
 use terrane_planet::mesh::survey::Survey;
+use terrane_planet::mesh::wake::Wake;
 use terrane_planet::planet::Planet;
 use terrane_planet::query::PatchGrid;
-use terrane_planet::store::surroundings;
-use terrane_planet::store::{BakedPatch, PlanetFile, StoreError};
+use terrane_planet::store::slow::{Line, SlowFile};
+use terrane_planet::store::{records, surroundings, BakedPatch, PlanetFile, Records, StoreError};
 
 /// How patches were come by, since the scene was opened.
 #[derive(Debug, Default)]
@@ -49,7 +51,7 @@ pub(super) struct Sun {
 /// What every worker has for itself.
 pub(super) struct Source {
     /// Files to look into, in this order.
-    pub(super) files: Vec<PlanetFile>,
+    pub(super) files: Vec<Box<dyn Records>>,
     /// The planet, to build what no file holds.
     pub(super) planet: Arc<Planet>,
     /// Whether to build at all.
@@ -67,6 +69,23 @@ pub(super) struct Source {
     /// Takes what was built, to keep it.
     pub(super) keeper: Option<KeeperHandle>,
     pub(super) tally: Arc<Tally>,
+}
+
+/// The files of a scene, as its workers read them: the planet file, over a line if there is one, and the one beside it.
+pub(super) fn open_files(
+    path: &Path,
+    line: Option<&Arc<Line>>,
+    side: Option<&PathBuf>,
+) -> Result<Vec<Box<dyn Records>>, StoreError> {
+    let file = PlanetFile::open(path)?;
+    let mut files: Vec<Box<dyn Records>> = vec![match line {
+        Some(line) => Box::new(SlowFile::new(file, line.clone())),
+        None => Box::new(file),
+    }];
+    if let Some(side) = side {
+        files.push(Box::new(PlanetFile::open(side)?));
+    }
+    Ok(files)
 }
 
 impl Source {
@@ -97,7 +116,8 @@ impl Source {
     }
 
     fn load_into(&self, mut found: Found, id: PatchId, parts: Parts, view: Option<&View>) -> Result<Loaded, StoreError> {
-        self.read(&mut found, id, parts)?;
+        let view = view.filter(|_| self.scope == Scope::Still);
+        self.read(&mut found, id, parts, view)?;
         let lacks = Parts { mesh: parts.mesh && found.mesh.is_none(), texture: parts.texture && found.texture.is_none() };
         if lacks.mesh && !self.builds {
             return Err(StoreError::Absent { file: self.files.first().map_or_else(PathBuf::new, |f| f.path().to_owned()), id });
@@ -108,7 +128,8 @@ impl Source {
             found.survey = Some(survey);
         }
         if let (Some(keeper), Some(survey)) = (&self.keeper, &found.survey) {
-            let (mesh, texture) = (found.mesh.as_ref().filter(|_| lacks.mesh), found.texture.as_ref().filter(|_| lacks.texture));
+            let built = found.mesh.as_ref().filter(|_| lacks.mesh).map(|prefix| &prefix.mesh);
+            let (mesh, texture) = (built, found.texture.as_ref().filter(|_| lacks.texture));
             match BakedPatch::in_part(id, &survey.facts, self.planet.cells, mesh, texture) {
                 Ok(baked) => keeper.built(baked),
                 Err(reason) => {
@@ -116,19 +137,24 @@ impl Source {
                 }
             }
         }
-        Ok(self.prepare(id, found, view.filter(|_| self.scope == Scope::Still)))
+        Ok(self.prepare(id, found, view))
     }
 
-    /// Reads what the files hold of the parts of a patch.
-    fn read(&self, found: &mut Found, id: PatchId, parts: Parts) -> Result<(), StoreError> {
-        for file in &self.files {
+    /// Reads what the files hold of the parts of a patch; for a still's view as many chunks of the mesh as that can wake, and without a
+    /// view the first.
+    fn read(&self, found: &mut Found, id: PatchId, parts: Parts, view: Option<&View>) -> Result<(), StoreError> {
+        let enough = |facts: &PatchFacts, beyond: Wake| match view {
+            Some(view) => sleeps(view, &facts.bounds, beyond),
+            None => self.scope == Scope::Still,
+        };
+        for file in self.files.iter().map(|file| &**file) {
             if parts.mesh && found.mesh.is_none() {
-                found.mesh = there(file.mesh(id))?;
-                found.facts = found.mesh.as_ref().map(|mesh| mesh.facts).or(found.facts);
+                found.mesh = records::mesh(file, id, &enough)?;
+                found.facts = found.mesh.as_ref().map(|prefix| prefix.mesh.facts).or(found.facts);
                 self.tally.read.fetch_add(u64::from(found.mesh.is_some()), Ordering::Relaxed);
             }
             if parts.texture && found.texture.is_none() {
-                found.texture = there(file.texture(id))?;
+                found.texture = records::texture(file, id)?;
                 if let (Some(_), None) = (&found.texture, found.facts) {
                     found.facts = file.facts(id)?;
                 }
@@ -154,7 +180,7 @@ impl Source {
                 tracing::warn!(patch = %survey.grid.id, ?faults, "the builder broke its own rules");
             }
             self.tally.built.fetch_add(1, Ordering::Relaxed);
-            found.mesh = Some(mesh);
+            found.mesh = Some(mesh.into());
         }
         if lacks.texture {
             found.texture = Some(self.timed(|| survey.texture(&self.planet.ground(), &self.planet.terrain)));
@@ -185,7 +211,7 @@ impl Source {
     /// Heights around a patch, from a file or else from the terrain.
     fn heights_around(&self, ground: &Ground, id: PatchId) -> Vec<i32> {
         for file in &self.files {
-            match file.surroundings(id) {
+            match records::surroundings(&**file, id) {
                 Ok(Some(heights)) => return heights,
                 Ok(None) => {}
                 Err(error) => tracing::warn!(%error, "heights around a patch are sampled again"),
@@ -205,21 +231,12 @@ impl Source {
         let texture = found
             .texture
             .map(|texture| LoadedTexture { mips: TextureMips::new(&texture, self.planet.cells), relief: self.relief(id) });
-        let mesh = found.mesh.map(|mesh| {
-            let grid = PatchGrid::of_mesh(&mesh, &self.planet.lattice);
-            let patch = LoadedPatch::new(mesh, &self.planet.lattice);
-            LoadedMesh { finest: view.map_or(0, |view| patch.reach.finest(view)), patch, grid }
+        let mesh = found.mesh.map(|prefix| {
+            let patch = LoadedPatch::new(prefix, &self.planet.lattice);
+            let grid = PatchGrid::of_loaded(&patch, &self.planet.lattice);
+            LoadedMesh { finest: view.map_or(0, |view| patch.reach.finest(view)), patch, grid, view: view.copied() }
         });
         Loaded { id, facts: found.facts, mesh, texture }
-    }
-}
-
-/// A part of a patch, if the file has it. It may go at any moment, of a cache or by an edit: so it is not asked for first.
-fn there<T>(read: Result<T, StoreError>) -> Result<Option<T>, StoreError> {
-    match read {
-        Ok(part) => Ok(Some(part)),
-        Err(StoreError::Absent { .. } | StoreError::Changed { .. }) => Ok(None),
-        Err(error) => Err(error),
     }
 }
 
@@ -228,6 +245,6 @@ fn there<T>(read: Result<T, StoreError>) -> Result<Option<T>, StoreError> {
 struct Found {
     facts: Option<PatchFacts>,
     survey: Option<Survey>,
-    mesh: Option<PatchMesh>,
+    mesh: Option<MeshPrefix>,
     texture: Option<PatchTexture>,
 }

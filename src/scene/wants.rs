@@ -49,6 +49,20 @@ impl Scene {
         id.ancestor(level)
     }
 
+    /// Whether a patch can be drawn in a view: with all of its mesh that this can wake, and textures of its own or of an ancestor.
+    pub(super) fn is_drawable(&self, view: &View, id: PatchId) -> bool {
+        self.mesh(id).is_some_and(|mesh| mesh.suffices(view)) && self.has_textures_for(view, id)
+    }
+
+    /// Whether there are any textures to draw a patch with, if there are to be any.
+    fn has_textures_for(&self, view: &View, id: PatchId) -> bool {
+        if !self.has_textures {
+            return true;
+        }
+        let above = std::iter::successors(Some(self.textures_wanted(view, id)), |id| id.parent());
+        above.into_iter().any(|patch| self.slot(patch).is_some())
+    }
+
     /// The patches whose textures the drawn ones show.
     pub(super) fn textures_shown(&self, view: &View, cut: &Cut) -> HashSet<PatchId> {
         let mut shown = HashSet::new();
@@ -96,7 +110,18 @@ impl Scene {
             // Coarse to fine: their urgency is smaller than that of what replaces them.
             meshes.extend(cut.above.iter().copied().filter(|(id, _)| self.mesh(*id).is_none()));
         }
-        let textures: HashSet<PatchId> = shown.iter().copied().filter(|id| self.slot(*id).is_none()).collect();
+        // What the picture cannot do without, until there is something better; over a line nothing else gets in its way.
+        let leaves = || cut.leaves.iter().map(|leaf| leaf.id);
+        let bare: HashSet<PatchId> =
+            leaves().filter(|id| !self.has_textures_for(view, *id)).map(|id| self.textures_wanted(view, id)).collect();
+        let lacking: Vec<PatchId> = leaves().filter(|id| self.mesh(*id).is_none_or(|mesh| !mesh.suffices(view))).collect();
+        let first_things_first = self.is_far && !(bare.is_empty() && lacking.is_empty());
+        if first_things_first {
+            meshes.clear();
+        }
+        meshes.extend(lacking.into_iter().map(|id| (id, 0.0)));
+        let is_missing = |id: &PatchId| self.slot(*id).is_none() && (!first_things_first || bare.contains(id));
+        let textures: HashSet<PatchId> = shown.iter().copied().filter(is_missing).collect();
         let snapshot = Arc::new(*view);
         let mesh_order = |(&id, &urgency): (&PatchId, &f64)| {
             let parts = Parts { mesh: true, texture: textures.contains(&id) };
@@ -113,7 +138,8 @@ impl Scene {
         let mut orders: Vec<Order> = meshes.iter().map(mesh_order).collect();
         let only = Parts { mesh: false, texture: true };
         let alone = textures.iter().filter(|id| !meshes.contains_key(id));
-        orders.extend(alone.map(|&id| (id, Request::Load(only, None), AFTER_MESHES)));
+        let urgency = |id: &PatchId| if bare.contains(id) { 0.0 } else { AFTER_MESHES };
+        orders.extend(alone.map(|id| (*id, Request::Load(only, None), urgency(id))));
         orders
     }
 

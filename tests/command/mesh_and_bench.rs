@@ -120,22 +120,24 @@ fn first_looks_build_once_and_turns_find_ground() {
     let planet = planet_in(folder.path());
     let bytes = std::fs::read(&planet).unwrap();
     let view = ["--at", "10,20,2000", "--look", "30,-30", "--size", "160x90", "--spacing", "200"];
-    let arguments = [&["bench", "tiny.planet", "--first-look", "--json", "f.json"], &view[..]].concat();
+    let arguments =
+        [&["bench", "tiny.planet", "--first-look", "--source-delay", "5ms,2MB/s", "--json", "f.json"], &view[..]].concat();
     let output = terrane(&arguments, folder.path());
     assert_eq!(output.status.code(), Some(0), "{}", text(&output.stderr));
     assert!(text(&output.stdout).contains("| 10,20,2000 | from the file |"), "{}", text(&output.stdout));
     let result = json(&std::fs::read(folder.path().join("f.json")).unwrap());
     let rows = result["rows"].as_array().unwrap();
     let kinds: Vec<&str> = rows.iter().map(|row| row["row"].as_str().unwrap()).collect();
-    assert_eq!(kinds, ["from nothing", "from the file", "turn"]);
-    let [nothing, file, turn] = [0, 1, 2].map(|row| &rows[row]);
+    assert_eq!(kinds, ["from nothing", "from the file", "over the line", "turn"]);
+    let [nothing, file, line, turn] = [0, 1, 2, 3].map(|row| &rows[row]);
     assert!(nothing["patches_built"].as_u64().unwrap() > 0 && file["patches_built"] == 0, "{rows:?}");
     assert!(nothing["patches"].as_u64().unwrap() > 0 && nothing["triangles"].as_u64().unwrap() > 0, "{rows:?}");
+    assert_eq!(line["patches_built"], 0, "{rows:?}");
     for same in ["patches", "triangles"] {
-        assert_eq!(nothing[same], file[same], "{rows:?}");
+        assert!(nothing[same] == file[same] && nothing[same] == line[same], "{rows:?}");
     }
     let ms = |row: &serde_json::Value, name: &str| row[name].as_f64().unwrap();
-    assert!([nothing, file]
+    assert!([nothing, file, line]
         .iter()
         .all(|row| 0.0 < ms(row, "first_picture_ms") && ms(row, "first_picture_ms") <= ms(row, "settled_ms")));
     assert_eq!((&turn["surrounded"], &turn["holes"], &turn["cracks"]), (&true.into(), &0.into(), &0.into()), "{turn}");

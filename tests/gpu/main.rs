@@ -13,6 +13,7 @@ mod history;
 mod layout;
 mod on_demand;
 mod overflow;
+mod slow_source;
 mod stills;
 mod textures;
 mod twins;

@@ -3,12 +3,14 @@
 use super::layout::PatchVertex;
 use super::work::{Reach, Work};
 use crate::globe::lattice::Lattice;
-use crate::mesh::progressive::{IndexLevels, PatchMesh};
+use crate::mesh::progressive::{IndexLevels, MeshPrefix, PatchMesh};
 
 /// A patch with everything the checks and the run time need.
 pub struct LoadedPatch {
-    /// The progressive mesh.
+    /// The progressive mesh, as far as it is there.
     pub mesh: PatchMesh,
+    /// For every grid position the vertex index that it falls to, as in [`MeshPrefix`].
+    pub falls: Vec<u16>,
     /// Its vertices as the GPU sees them.
     pub vertices: Vec<PatchVertex>,
     /// Its triangle lists.
@@ -18,12 +20,13 @@ pub struct LoadedPatch {
 }
 
 impl LoadedPatch {
-    /// Prepares a patch for drawing.
-    pub fn new(mesh: PatchMesh, lattice: &Lattice) -> LoadedPatch {
-        let vertices = PatchVertex::of_patch(&mesh, lattice);
-        let lists = IndexLevels::new(&mesh);
-        let reach = Reach::new(&vertices, mesh.cells, &lists);
-        LoadedPatch { mesh, vertices, lists, reach }
+    /// Prepares a patch for drawing, whole or as far as its vertices are there.
+    pub fn new(mesh: impl Into<MeshPrefix>, lattice: &Lattice) -> LoadedPatch {
+        let prefix = mesh.into();
+        let vertices = PatchVertex::of_patch(&prefix.mesh, lattice);
+        let lists = IndexLevels::new(&prefix);
+        let reach = Reach::new(&vertices, &prefix, &lists);
+        LoadedPatch { mesh: prefix.mesh, falls: prefix.falls, vertices, lists, reach }
     }
 
     /// The triangles that emission begins with.

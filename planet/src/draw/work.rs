@@ -9,6 +9,7 @@ use super::layout::PatchVertex;
 use super::view::View;
 use crate::globe::lattice::LatticeBox;
 use crate::mesh::progressive::index_levels::{tile_of_cell, IndexLevel, IndexLevels, TILES};
+use crate::mesh::progressive::MeshPrefix;
 use crate::mesh::wake::Wake;
 use glam::IVec3;
 use std::ops::Range;
@@ -33,8 +34,10 @@ impl Work {
 #[derive(Clone, Debug)]
 pub struct Reach {
     levels: Vec<IndexLevel>,
-    /// For every level, what each of its tiles leaves out.
+    /// For every level, what each of its tiles leaves out of the vertices that are there.
     beyond: Vec<[Beyond; TILES]>,
+    /// The vertices that are not.
+    missing: Beyond,
 }
 
 /// The vertices that one tile leaves out at some level: of all that its grid vertices can be drawn as, those behind the prefix.
@@ -53,18 +56,23 @@ impl Beyond {
         self.wake = self.wake.max(vertex.largest_wake());
     }
 
-    /// Whether all of it sleeps in a view. The selection distance is taken a little nearer than true, for the rounding of f32
-    /// selection.
     fn sleeps(&self, view: &View) -> bool {
-        let nearest = || distance_to_box(view, &self.bounds) * (1.0 - 1e-5);
-        self.wake == Wake::ASLEEP || nearest() > view.reach * self.wake.distance()
+        sleeps(view, &self.bounds, self.wake)
     }
 }
 
+/// Whether all vertices in a box whose wakes are at most `wake` sleep in a view. The selection distance is taken a little nearer than true,
+/// for the rounding of f32 selection.
+pub fn sleeps(view: &View, bounds: &LatticeBox, wake: Wake) -> bool {
+    let nearest = || distance_to_box(view, bounds) * (1.0 - 1e-5);
+    wake == Wake::ASLEEP || nearest() > view.reach * wake.distance()
+}
+
 impl Reach {
-    /// The reach of a patch with its triangle lists.
-    pub fn new(vertices: &[PatchVertex], cells: u32, lists: &IndexLevels) -> Reach {
-        let tiles = tiles_of(vertices, cells as usize);
+    /// The reach of a patch with the vertices of a prefix and their triangle lists.
+    pub fn new(vertices: &[PatchVertex], prefix: &MeshPrefix, lists: &IndexLevels) -> Reach {
+        let tiles = tiles_of(vertices, prefix);
+        let missing = Beyond { bounds: prefix.mesh.facts.bounds, wake: prefix.beyond };
         let mut end = vertices.len();
         let mut beyond = [Beyond::NOTHING; TILES];
         let leave_out = |level: &IndexLevel| {
@@ -75,7 +83,17 @@ impl Reach {
             end = level.vertices as usize;
             beyond
         };
-        Reach { levels: lists.levels.clone(), beyond: lists.levels.iter().map(leave_out).collect() }
+        Reach { levels: lists.levels.clone(), beyond: lists.levels.iter().map(leave_out).collect(), missing }
+    }
+
+    /// Whether all vertices are there that any view wakes.
+    pub fn is_whole(&self) -> bool {
+        self.missing.wake == Wake::ASLEEP
+    }
+
+    /// Whether all vertices sleep in a view that are not there: what follows is about the others, and of use only then.
+    pub fn suffices(&self, view: &View) -> bool {
+        self.missing.sleeps(view)
     }
 
     /// The coarsest level, by number, of which a view needs nothing finer anywhere.
@@ -106,15 +124,17 @@ impl Reach {
     }
 }
 
-/// For every vertex, the tiles (as bits) with a grid vertex that can be drawn as it: its own tiles, and those of all that fall to it.
-fn tiles_of(vertices: &[PatchVertex], cells: usize) -> Vec<u32> {
+/// For every vertex, the tiles (as bits) with a grid vertex that can be drawn as it: those of all grid vertices that fall to it.
+fn tiles_of(vertices: &[PatchVertex], prefix: &MeshPrefix) -> Vec<u32> {
+    let cells = prefix.mesh.cells as usize;
     let around = |at: usize| [at.saturating_sub(1), at.min(cells - 1)];
-    let own = |vertex: &PatchVertex| {
-        let (column, row) = (vertex.grid() as usize % (cells + 1), vertex.grid() as usize / (cells + 1));
+    let own = |grid: usize| {
+        let (column, row) = (grid % (cells + 1), grid / (cells + 1));
         let tiles = around(column).into_iter().flat_map(|c| around(row).map(|r| tile_of_cell(c, r, cells)));
         tiles.fold(0u32, |bits, tile| bits | 1 << tile)
     };
-    let mut tiles: Vec<u32> = vertices.iter().map(own).collect();
+    let mut tiles = vec![0; vertices.len()];
+    prefix.falls.iter().enumerate().for_each(|(grid, &vertex)| tiles[usize::from(vertex)] |= own(grid));
     // Children come after their parents, so one pass from the end settles all.
     for k in (0..vertices.len()).rev() {
         let bits = tiles[k];

@@ -17,7 +17,7 @@ use crate::mesh::builder::Faults;
 use crate::mesh::progressive::{PatchFacts, PatchMesh};
 use crate::mesh::survey::Survey;
 use crate::recipe::{Edit, Recipe, RecipeError};
-use crate::store::{PlanetFile, PlanetHeader};
+use crate::store::{records, PlanetHeader, Records};
 use crate::terrain::Terrain;
 use glam::DVec3;
 use thiserror::Error;
@@ -182,10 +182,10 @@ impl Planet {
     }
 
     /// The map of the planet's clouds, if it has any, from the first of some files that holds it, or computed. Whether it was.
-    pub fn clouds<'a>(&self, files: impl IntoIterator<Item = &'a PlanetFile>) -> Option<(CloudLevel, bool)> {
+    pub fn clouds<'a>(&self, files: impl IntoIterator<Item = &'a dyn Records>) -> Option<(CloudLevel, bool)> {
         let clouds = self.recipe.clouds.as_ref()?;
         for file in files {
-            match file.cloud_map(CLOUD_SIDE) {
+            match records::cloud_map(file, CLOUD_SIDE) {
                 Ok(Some(map)) => return Some((map, false)),
                 Ok(None) => {}
                 Err(error) => tracing::warn!(%error, "the map of clouds is computed again"),

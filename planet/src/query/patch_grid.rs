@@ -1,10 +1,11 @@
 //! The heights of one patch's grid, and the ground between them: two triangles a cell, as the finest surface draws them.
 
 use super::rays::{PatchSurface, Ray};
+use crate::draw::loaded_patch::LoadedPatch;
 use crate::globe::lattice::Lattice;
 use crate::globe::patch::PatchId;
 use crate::ground::{Ground, WarpedGrid};
-use crate::mesh::progressive::PatchMesh;
+use crate::mesh::progressive::{PatchMesh, Vertex};
 use glam::{DVec3, IVec3};
 use std::sync::{Arc, OnceLock};
 use terrane_heightfield::decimate::mesh::cell_corners;
@@ -34,6 +35,20 @@ impl PatchGrid {
         let mut heights = vec![0; mesh.vertices.len()];
         for vertex in &mesh.vertices {
             heights[usize::from(vertex.grid)] = vertex.height;
+        }
+        let warped = WarpedGrid::new(mesh.id, 0..=mesh.cells as i32, mesh.cells);
+        PatchGrid::new(mesh.id, *lattice, warped, heights)
+    }
+
+    /// The grid of a patch as far as its vertices are there: between them its samples lie on the triangles that these make.
+    pub fn of_loaded(patch: &LoadedPatch, lattice: &Lattice) -> PatchGrid {
+        let (mesh, lists, row) = (&patch.mesh, &patch.lists, patch.mesh.cells as usize + 1);
+        let mut heights: Vec<i32> = patch.falls.iter().map(|&vertex| mesh.vertices[usize::from(vertex)].height).collect();
+        if mesh.vertices.len() < heights.len() {
+            let end = lists.levels.get(1).map_or(lists.triangles.len(), |coarser| coarser.start() as usize);
+            lists.triangles[..end]
+                .iter()
+                .for_each(|corners| fill(&mut heights, row, corners.map(|k| &mesh.vertices[usize::from(k)])));
         }
         let warped = WarpedGrid::new(mesh.id, 0..=mesh.cells as i32, mesh.cells);
         PatchGrid::new(mesh.id, *lattice, warped, heights)
@@ -106,6 +121,26 @@ impl PatchGrid {
             move_out(last - k, last - k - row);
         }
         positions
+    }
+}
+
+/// Gives the samples of a grid with `row` of them a row, as far as they lie in a triangle, its heights.
+fn fill(heights: &mut [i32], row: usize, corners: [&Vertex; 3]) {
+    let [a, b, c] = corners.map(|v| [usize::from(v.grid) % row, usize::from(v.grid) / row].map(|at| at as i64));
+    let twice_area = |p: [i64; 2], q: [i64; 2], r: [i64; 2]| (q[0] - p[0]) * (r[1] - p[1]) - (q[1] - p[1]) * (r[0] - p[0]);
+    let area = twice_area(a, b, c);
+    let range = |axis: usize| {
+        let of = [a[axis], b[axis], c[axis]];
+        of.into_iter().fold(of[0], i64::min)..=of.into_iter().fold(of[0], i64::max)
+    };
+    for y in range(1) {
+        for x in range(0) {
+            let weights = [twice_area([x, y], b, c), twice_area(a, [x, y], c), twice_area(a, b, [x, y])];
+            if area > 0 && weights.iter().all(|&weight| weight >= 0) {
+                let sum: i64 = weights.iter().zip(corners).map(|(weight, corner)| weight * i64::from(corner.height)).sum();
+                heights[y as usize * row + x as usize] = sum.div_euclid(area) as i32;
+            }
+        }
     }
 }
 

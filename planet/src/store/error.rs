@@ -69,6 +69,16 @@ pub enum RecordError {
         /// Which rule it breaks.
         reason: &'static str,
     },
+    /// A part of a geometry record that can be read without those that follow.
+    #[error("chunk {number} of {of}: {reason}")]
+    Chunk {
+        /// Which, counted from 1.
+        number: usize,
+        /// How many there are.
+        of: usize,
+        /// What is wrong with it.
+        reason: Box<RecordError>,
+    },
     /// Bounds, heights or measures that no builder makes.
     #[error("{0}")]
     Measure(&'static str),

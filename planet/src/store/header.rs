@@ -30,6 +30,12 @@ pub struct PlanetHeader {
 }
 
 impl PlanetHeader {
+    /// Bytes that it takes, about.
+    pub fn bytes(&self) -> usize {
+        let assets = self.assets.iter().map(|asset| asset.name.len() + asset.bytes.len());
+        self.name.len() + self.recipe.len() + assets.sum::<usize>() + 64
+    }
+
     /// Checksum over all of it, and over what the builder takes as given.
     pub fn checksum(&self) -> u32 {
         header_checksum(self, crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE)

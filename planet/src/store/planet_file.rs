@@ -9,6 +9,7 @@ use super::baked::{BakedPatch, PatchRecord};
 use super::error::{failure, RecordError, StoreError};
 use super::header;
 use super::header::PlanetHeader;
+use super::records::{self, Part};
 use super::schema::check_stamp;
 use super::surroundings::SurroundingsRecord;
 use super::Region;
@@ -17,8 +18,9 @@ use crate::globe::patch::PatchId;
 use crate::ground::texture::PatchTexture;
 use crate::mesh::progressive::{PatchFacts, PatchMesh};
 use glam::DVec3;
-use rusqlite::{params, Connection, ErrorCode, OpenFlags, OptionalExtension, TransactionBehavior};
+use rusqlite::{params, Connection, ErrorCode, OpenFlags, OptionalExtension, TransactionBehavior, MAIN_DB};
 use std::collections::HashSet;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -195,13 +197,7 @@ impl PlanetFile {
     /// # Errors
     /// If the file cannot be read, or they are damaged.
     pub fn surroundings(&self, id: PatchId) -> Result<Option<Vec<i32>>, StoreError> {
-        let failed = |source| failure(&self.path, "read a patch", source);
-        let query = "SELECT heights FROM surroundings, planet WHERE key = ?1 AND planet.checksum = ?2";
-        let mut statement = self.connection.prepare_cached(query).map_err(failed)?;
-        let record: Option<Vec<u8>> =
-            statement.query_row(params![rows::key(id), self.checksum], |row| row.get(0)).optional().map_err(failed)?;
-        let decode = |record: Vec<u8>| surroundings::decode(&record, id, self.header.cells);
-        record.map(decode).transpose().map_err(|source| self.damaged_patch(id, "surroundings", source))
+        records::surroundings(self, id)
     }
 
     /// The map of the planet's clouds of `side` texels a side, if the file has it.
@@ -209,10 +205,13 @@ impl PlanetFile {
     /// # Errors
     /// If the file cannot be read, or the map is damaged.
     pub fn cloud_map(&self, side: usize) -> Result<Option<Vec<u8>>, StoreError> {
+        records::cloud_map(self, side)
+    }
+
+    /// The record of the map of the planet's clouds.
+    pub(super) fn cloud_record(&self) -> Result<Option<Vec<u8>>, StoreError> {
         let record = maps::read(&self.connection, maps::CLOUDS);
-        let record = record.map_err(|source| failure(&self.path, "read the map of clouds", source))?;
-        let decoded = record.map(|record| maps::decode(&record, side)).transpose();
-        decoded.map_err(|source| self.damaged(format!("the map of clouds: {source}")))
+        record.map_err(|source| failure(&self.path, "read the map of clouds", source))
     }
 
     /// Keeps the map of the planet's clouds.
@@ -238,6 +237,27 @@ impl PlanetFile {
     /// If there is none in the file.
     pub fn texture_record(&self, id: PatchId) -> Result<Vec<u8>, StoreError> {
         self.blob(id, "SELECT texture FROM patch, planet WHERE key = ?1 AND planet.checksum = ?2 AND length(texture) > 0")
+    }
+
+    /// Bytes of a record, as far as it has them. No more of the file is read than where they lie.
+    pub(super) fn record_bytes(&self, id: PatchId, part: Part, range: Range<usize>) -> Result<Option<Vec<u8>>, StoreError> {
+        let failed = |source| failure(&self.path, "read a patch", source);
+        let (table, column) = match part {
+            Part::Geometry => ("patch", "geometry"),
+            Part::Texture => ("patch", "texture"),
+            Part::Surroundings => ("surroundings", "heights"),
+        };
+        // One transaction, so that the record is there and of this ground until it is read.
+        let moment = self.connection.unchecked_transaction().map_err(failed)?;
+        let query = format!("SELECT length({column}) FROM {table}, planet WHERE key = ?1 AND planet.checksum = ?2");
+        let mut statement = moment.prepare_cached(&query).map_err(failed)?;
+        let length = statement.query_row(params![rows::key(id), self.checksum], |row| row.get::<_, i64>(0)).optional();
+        let Some(length) = length.map_err(failed)?.filter(|&length| length > 0) else { return Ok(None) };
+        let blob = moment.blob_open(MAIN_DB, table, column, rows::key(id), true).map_err(failed)?;
+        let end = range.end.min(length as usize);
+        let mut bytes = vec![0; end.saturating_sub(range.start)];
+        blob.read_at_exact(&mut bytes, range.start).map_err(failed)?;
+        Ok(Some(bytes))
     }
 
     fn blob(&self, id: PatchId, query: &str) -> Result<Vec<u8>, StoreError> {

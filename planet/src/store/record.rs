@@ -8,7 +8,7 @@ use crate::globe::patch::PatchId;
 use crate::globe::sphere::Face;
 
 /// Version of the records that this program writes and reads.
-pub const RECORD_VERSION: u16 = 2;
+pub const RECORD_VERSION: u16 = 3;
 
 /// Compression level of every stream. Fixed: a patch has the same bytes wherever it is baked. Residuals repeat nothing, so that
 /// searching longer for repetitions (level 9) saves nothing either.
@@ -49,10 +49,7 @@ impl RecordWriter {
     /// Adds a compressed stream.
     pub fn stream(&mut self, bytes: &[u8]) {
         self.raw += bytes.len();
-        // A frame of at most a few hundred kilobytes into a buffer of the size that zstd asks for cannot fail.
-        let packed = zstd::bulk::compress(bytes, ZSTD_LEVEL).expect("zstd compresses into its own bound");
-        self.bytes.extend((packed.len() as u32).to_le_bytes());
-        self.bytes.extend(packed);
+        add_stream(&mut self.bytes, bytes);
     }
 
     /// The record, with its lengths and checksum.
@@ -60,6 +57,23 @@ impl RecordWriter {
         state(&mut self.bytes, self.raw as u32);
         self.bytes
     }
+}
+
+/// Adds a compressed stream and, before it, its length. Nothing follows a length of 0, which says that all bytes are 0.
+pub(super) fn add_stream(to: &mut Vec<u8>, bytes: &[u8]) {
+    if bytes.iter().all(|&byte| byte == 0) {
+        to.extend([0; 4]);
+        return;
+    }
+    add_packed(to, bytes);
+}
+
+/// [`add_stream`] for bytes whose number the reader does not know.
+pub(super) fn add_packed(to: &mut Vec<u8>, bytes: &[u8]) {
+    // A frame of at most a few hundred kilobytes into a buffer of the size that zstd asks for cannot fail.
+    let packed = zstd::bulk::compress(bytes, ZSTD_LEVEL).expect("zstd compresses into its own bound");
+    to.extend((packed.len() as u32).to_le_bytes());
+    to.extend(packed);
 }
 
 /// Writes the lengths and the checksum into a record's header.
@@ -96,6 +110,8 @@ fn checksum(bytes: &[u8]) -> u32 {
 /// Reads one record whose envelope is sound.
 pub(super) struct RecordReader<'a> {
     bytes: &'a [u8],
+    /// Made for the first stream: it takes longer to make than most streams to read.
+    decompressor: Option<zstd::bulk::Decompressor<'static>>,
     /// Raw length that the record states.
     pub(super) raw: usize,
 }
@@ -103,11 +119,34 @@ pub(super) struct RecordReader<'a> {
 impl<'a> RecordReader<'a> {
     /// Checks magic, version, lengths, checksum, patch and cells, in this order.
     pub(super) fn open(bytes: &'a [u8], magic: [u8; 4], id: PatchId, cells: u32) -> Result<RecordReader<'a>, RecordError> {
+        match RecordReader::open_head(bytes, magic, id, cells)? {
+            (record, []) => Ok(record),
+            (_, rest) => Err(RecordError::Trailing(rest.len())),
+        }
+    }
+
+    /// Reads what has no envelope of its own.
+    pub(super) fn of_body(bytes: &'a [u8]) -> RecordReader<'a> {
+        RecordReader { bytes, decompressor: None, raw: 0 }
+    }
+
+    /// Goes on with other bytes.
+    pub(super) fn go_on(&mut self, bytes: &'a [u8]) {
+        self.bytes = bytes;
+    }
+
+    /// [`RecordReader::open`] for a record that bytes of another kind may follow: these too.
+    pub(super) fn open_head(
+        bytes: &'a [u8],
+        magic: [u8; 4],
+        id: PatchId,
+        cells: u32,
+    ) -> Result<(RecordReader<'a>, &'a [u8]), RecordError> {
         if bytes.len() < HEADER_BYTES {
             return Err(RecordError::Short { what: "record", found: bytes.len(), expected: HEADER_BYTES });
         }
         let (header, body) = bytes.split_at(HEADER_BYTES);
-        let mut fields = RecordReader { bytes: header, raw: 0 };
+        let mut fields = RecordReader::of_body(header);
         let found = fields.array::<4>("magic")?;
         if found != magic {
             return Err(RecordError::Magic { found, expected: magic });
@@ -120,13 +159,10 @@ impl<'a> RecordReader<'a> {
         let [face, level] = fields.array("face and level")?;
         let (x, y) = (fields.u32("column")?, fields.u32("row")?);
         let (raw, stated, expected) = (fields.u32("raw length")?, fields.u32("body length")?, fields.u32("checksum")?);
-        if stated as usize > body.len() {
+        let Some((body, rest)) = body.split_at_checked(stated as usize) else {
             return Err(RecordError::Short { what: "record body", found: body.len(), expected: stated as usize });
-        }
-        if (stated as usize) < body.len() {
-            return Err(RecordError::Trailing(body.len() - stated as usize));
-        }
-        let found = checksum(bytes);
+        };
+        let found = checksum(&bytes[..HEADER_BYTES + body.len()]);
         if found != expected {
             return Err(RecordError::Checksum { found, expected });
         }
@@ -136,7 +172,7 @@ impl<'a> RecordReader<'a> {
             let found = format!("{name} with {record_cells} cells");
             return Err(RecordError::Belongs { found, expected: format!("{id} with {cells} cells") });
         }
-        Ok(RecordReader { bytes: body, raw: raw as usize })
+        Ok((RecordReader { raw: raw as usize, ..RecordReader::of_body(body) }, rest))
     }
 
     fn take(&mut self, count: usize, what: &'static str) -> Result<&'a [u8], RecordError> {
@@ -155,6 +191,10 @@ impl<'a> RecordReader<'a> {
         Ok(array)
     }
 
+    pub(super) fn u16(&mut self, what: &'static str) -> Result<u16, RecordError> {
+        Ok(u16::from_le_bytes(self.array(what)?))
+    }
+
     pub(super) fn u32(&mut self, what: &'static str) -> Result<u32, RecordError> {
         Ok(u32::from_le_bytes(self.array(what)?))
     }
@@ -169,18 +209,31 @@ impl<'a> RecordReader<'a> {
 
     /// The next stream, which must decompress to exactly `raw` bytes.
     pub(super) fn stream(&mut self, stream: &'static str, raw: usize) -> Result<Vec<u8>, RecordError> {
-        let packed = self.u32(stream)? as usize;
-        let packed = self.take(packed, stream)?;
-        let damaged = |reason: String| RecordError::Stream { stream, reason };
-        let bytes = zstd::bulk::decompress(packed, raw).map_err(|e| damaged(e.to_string()))?;
+        if let Some((&[0, 0, 0, 0], rest)) = self.bytes.split_first_chunk() {
+            self.bytes = rest;
+            return Ok(vec![0; raw]);
+        }
+        let bytes = self.stream_within(stream, raw)?;
         if bytes.len() != raw {
-            return Err(damaged(format!("{} bytes, expected {raw}", bytes.len())));
+            return Err(RecordError::Stream { stream, reason: format!("{} bytes, expected {raw}", bytes.len()) });
         }
         Ok(bytes)
     }
 
+    /// The next stream, which must decompress to at most `most` bytes.
+    pub(super) fn stream_within(&mut self, stream: &'static str, most: usize) -> Result<Vec<u8>, RecordError> {
+        let packed = self.u32(stream)? as usize;
+        let packed = self.take(packed, stream)?;
+        let damaged = |e: std::io::Error| RecordError::Stream { stream, reason: e.to_string() };
+        let decompressor = match &mut self.decompressor {
+            Some(there) => there,
+            none => none.insert(zstd::bulk::Decompressor::new().map_err(damaged)?),
+        };
+        decompressor.decompress(packed, most).map_err(damaged)
+    }
+
     /// Ends the record: nothing may follow.
-    pub(super) fn finish(self) -> Result<(), RecordError> {
+    pub(super) fn finish(&self) -> Result<(), RecordError> {
         if self.bytes.is_empty() {
             Ok(())
         } else {

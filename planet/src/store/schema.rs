@@ -9,7 +9,7 @@ use std::path::Path;
 pub const APPLICATION_ID: u32 = 0x5445_5252;
 
 /// SQLite user version of planet files: tables, records and the builder's rules together.
-pub const FORMAT_VERSION: u32 = 6;
+pub const FORMAT_VERSION: u32 = 7;
 
 /// `surroundings` and `map` hold what could be computed again.
 /// `cached` names the patches that were built while flying and may go again; the others were baked to stay.

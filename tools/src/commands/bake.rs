@@ -15,7 +15,7 @@ use terrane_planet::planet::bake::{bake, BakePlan, BakeSummary};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 use terrane_planet::store::Region;
-use terrane_planet::store::{is_planet_file, PlanetFile};
+use terrane_planet::store::{is_planet_file, PlanetFile, Records};
 
 /// Build the patches of a recipe into a planet file; go on where an earlier bake stopped.
 #[derive(clap::Args)]
@@ -81,7 +81,7 @@ impl Run for Bake {
         let summary = bake(&mut file, &planet.terrain, &planet.terrain, &plan, self.threads.count(), &|p| report.show(p), &stop);
         report.finish();
         let summary = summary.with_context(|| format!("cannot bake {} into {}", self.recipe.display(), self.out.display()))?;
-        if let Some((clouds, true)) = planet.clouds([&file]).filter(|_| !summary.interrupted) {
+        if let Some((clouds, true)) = planet.clouds([&file as &dyn Records]).filter(|_| !summary.interrupted) {
             file.keep_cloud_map(&clouds, CLOUD_SIDE)?;
         }
         self.print(&summary);

@@ -18,12 +18,14 @@ use percentiles::{summarise, Line};
 use savings::VARIANTS;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 use terrane::frame::Look;
 use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::{Scene, Scope};
 use terrane::vulkan::GpuInfo;
 use terrane_planet::draw::camera_path::Keyframe;
+use terrane_planet::store::slow::Delay;
 
 /// Measure the frames along a camera path: steady costs, after the patches of each frame have been loaded.
 ///
@@ -66,6 +68,9 @@ pub(crate) struct Bench {
     /// 300 km, 1 km and 50 m. The given file is only read.
     #[arg(long, conflicts_with_all = ["path", "live", "savings"])]
     first_look: bool,
+    /// With `--first-look`: each view once more with its planet file at the other end of a line, given as latency and bytes a second.
+    #[arg(long, value_name = "20ms,1MB/s", value_parser = delay, requires = "first_look")]
+    source_delay: Option<Delay>,
     /// With `--first-look`: only this view, latitude and longitude in degrees and metres above the ground or the sea.
     #[arg(long, value_name = "LAT,LON,ALT_M", value_parser = numbers::<3>, allow_hyphen_values = true, requires = "first_look")]
     at: Option<[f64; 3]>,
@@ -194,6 +199,21 @@ impl Bench {
     }
 }
 
+/// A latency in milliseconds and a rate in bytes, kilobytes or megabytes a second, such as 20ms,1MB/s.
+fn delay(text: &str) -> anyhow::Result<Delay> {
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|number| (0.001..=1e9).contains(number));
+    let rate = |text: &str| {
+        let unit = [("MB/s", 1e6), ("kB/s", 1e3), ("B/s", 1.0)].into_iter().find(|(unit, _)| text.trim().ends_with(unit))?;
+        number(text.trim().strip_suffix(unit.0)?).map(|number| number * unit.1)
+    };
+    let parts = text.split_once(',');
+    let latency = parts.and_then(|(latency, _)| number(latency.trim().strip_suffix("ms")?));
+    let bytes_per_second = parts.and_then(|(_, bytes)| rate(bytes));
+    let both = latency.zip(bytes_per_second);
+    let (latency, bytes_per_second) = both.with_context(|| format!("'{text}' is not a latency and a rate such as 20ms,1MB/s"))?;
+    Ok(Delay { latency: Duration::from_secs_f64(1e-3 * latency), bytes_per_second })
+}
+
 fn write_report(out: &Path, report: &Value) -> anyhow::Result<()> {
     let text = serde_json::to_string_pretty(report)?;
     pictures::write_whole(out, text.as_bytes()).with_context(|| format!("cannot write the results {}", out.display()))
@@ -220,5 +240,20 @@ fn print_table(summary: &[Line]) {
     for line in summary.iter().filter(|l| l.frames > 0) {
         let [p50, p95, p99, max] = line.at.map(|v| format!("{v:.digits$}", digits = line.digits));
         println!("{:<20} {p50:>12} {p95:>12} {p99:>12} {max:>12}", line.name);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn delays_have_units() {
+        let read = |text| delay(text).map(|delay| (delay.latency.as_secs_f64(), delay.bytes_per_second));
+        assert_eq!(read("20ms,1MB/s").unwrap(), (0.02, 1e6));
+        assert_eq!(read("0.5ms, 300kB/s").unwrap(), (0.0005, 3e5));
+        for wrong in ["20ms", "20,1MB/s", "20ms,1", "20ms,0MB/s", "-1ms,1MB/s", "ms,B/s"] {
+            assert!(read(wrong).unwrap_err().to_string().contains("such as 20ms,1MB/s"), "{wrong}");
+        }
     }
 }

@@ -34,8 +34,13 @@ impl DrawOptions {
 
     /// A context without a window, and a planet file as a scene on it.
     pub(crate) fn open_for(&self, file: &Path, scope: Scope) -> anyhow::Result<(Arc<Context>, Scene)> {
+        self.open_with(file, SceneOptions { scope, ..self.patches.options()? })
+    }
+
+    /// A context without a window, and a planet file as a scene on it.
+    pub(crate) fn open_with(&self, file: &Path, options: SceneOptions) -> anyhow::Result<(Arc<Context>, Scene)> {
         let context = self.gpu.context()?;
-        let scene = Scene::open(&context, file, SceneOptions { scope, ..self.patches.options()? })?;
+        let scene = Scene::open(&context, file, options)?;
         Ok((context, scene))
     }
 
@@ -51,11 +56,11 @@ impl DrawOptions {
     }
 }
 
-/// Updates a scene until it can draw a whole picture of a view, however coarse: every patch of its cut is on the GPU.
+/// Updates a scene until it can draw a whole picture of a view, however coarse: all that its cut draws is on the GPU.
 pub(crate) fn first_picture(scene: &mut Scene, view: &View) -> Result<(), SceneError> {
     loop {
         let cut = scene.update(view, usize::MAX)?;
-        if cut.leaves.iter().all(|leaf| scene.mesh(leaf.id).is_some()) {
+        if scene.is_whole(view, &cut) {
             return Ok(());
         }
         std::thread::sleep(Duration::from_millis(1));

@@ -5,7 +5,7 @@
 //! that of its first ancestor in the prefix. A triangle of the full grid belongs to the tile that its cell lies in, however far its
 //! corners move from level to level; so every tile of a patch can be drawn from a level of its own.
 
-use super::patch_mesh::PatchMesh;
+use super::mesh_prefix::MeshPrefix;
 use std::ops::Range;
 use terrane_heightfield::decimate::mesh::grid_triangles;
 
@@ -53,13 +53,15 @@ pub struct IndexLevels {
 }
 
 impl IndexLevels {
-    /// Lists of a patch.
-    pub fn new(mesh: &PatchMesh) -> IndexLevels {
-        let mut tiles = full_grid(mesh);
+    /// Lists of a patch as far as its vertices are there: the finest level has all of them.
+    pub fn new(prefix: &MeshPrefix) -> IndexLevels {
+        let (mesh, all) = (&prefix.mesh, prefix.falls.len());
+        let mut tiles = full_grid(prefix);
         // First ancestor inside the level's prefix.
         let mut inside: Vec<u16> = (0..mesh.vertices.len() as u16).collect();
         let mut lists = IndexLevels { levels: Vec::new(), triangles: Vec::with_capacity(6 * mesh.vertices.len()) };
-        for vertices in level_sizes(mesh.vertices.len()) {
+        let there = mesh.vertices.len();
+        for vertices in std::iter::once(there).chain(level_sizes(all).filter(|&size| size < there)) {
             // Parents come before children, so one pass settles all.
             for k in vertices..inside.len() {
                 inside[k] = inside[usize::from(mesh.vertices[k].parent)];
@@ -86,16 +88,12 @@ pub fn tile_of_cell(column: usize, row: usize, cells: usize) -> usize {
     row * TILES_ALONG / cells * TILES_ALONG + column * TILES_ALONG / cells
 }
 
-/// Triangles of the full grid by tile.
-fn full_grid(mesh: &PatchMesh) -> [Vec<[u16; 3]>; TILES] {
-    let mut index_of = vec![0u16; mesh.vertices.len()];
-    for (k, vertex) in mesh.vertices.iter().enumerate() {
-        index_of[usize::from(vertex.grid)] = k as u16;
-    }
-    let cells = mesh.cells as usize;
+/// Triangles of the full grid by tile, with what their corners fall to.
+fn full_grid(prefix: &MeshPrefix) -> [Vec<[u16; 3]>; TILES] {
+    let cells = prefix.mesh.cells as usize;
     let mut tiles: [Vec<[u16; 3]>; TILES] = Default::default();
-    for (cell, pair) in grid_triangles(mesh.cells).chunks(2).enumerate() {
-        tiles[tile_of_cell(cell % cells, cell / cells, cells)].extend(pair.iter().map(|t| t.map(|v| index_of[v as usize])));
+    for (cell, pair) in grid_triangles(prefix.mesh.cells).chunks(2).enumerate() {
+        tiles[tile_of_cell(cell % cells, cell / cells, cells)].extend(pair.iter().map(|t| t.map(|v| prefix.falls[v as usize])));
     }
     tiles
 }

@@ -17,12 +17,13 @@ use std::time::{Duration, Instant};
 use terrane::frame::Look;
 use terrane::headless::Headless;
 use terrane::measure::live::{LiveFaults, LiveFlight};
-use terrane::scene::{Scene, SceneError, Scope};
+use terrane::scene::{Scene, SceneError, SceneOptions, Scope};
 use terrane_planet::draw::camera_path::Keyframe;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
+use terrane_planet::store::slow::Delay;
 use terrane_planet::store::PlanetFile;
 
 /// Times that a picture is made so that its file holds everything: what is built faster than it can be written is not kept.
@@ -146,24 +147,29 @@ impl Bench {
         Ok(())
     }
 
-    /// The rows of a view: from nothing, from the file, and the turn.
-    fn rows_of<'a>(&self, sight: &'a Sight, file: &Path) -> anyhow::Result<[Row<'a>; 3]> {
-        let nothing = self.picture(&sight.keyframe, file)?;
-        let mut again = self.picture(&sight.keyframe, file)?;
+    /// The rows of a view: from nothing, from the file, over a line if one is asked for, and the turn.
+    fn rows_of<'a>(&self, sight: &'a Sight, file: &Path) -> anyhow::Result<Vec<Row<'a>>> {
+        let nothing = self.picture(&sight.keyframe, file, None)?;
+        let mut again = self.picture(&sight.keyframe, file, None)?;
         for _ in 2..MOST_FILLINGS {
             if again.built == 0 {
                 break;
             }
-            again = self.picture(&sight.keyframe, file)?;
+            again = self.picture(&sight.keyframe, file, None)?;
         }
-        let turn = self.turn(&sight.keyframe, file)?;
-        Ok([Row::Nothing(sight, nothing), Row::File(sight, again), Row::Turn(sight, turn)])
+        let mut rows = vec![Row::Nothing(sight, nothing), Row::File(sight, again)];
+        if let Some(delay) = self.source_delay {
+            rows.push(Row::Line(sight, self.picture(&sight.keyframe, file, Some(delay))?));
+        }
+        rows.push(Row::Turn(sight, self.turn(&sight.keyframe, file)?));
+        Ok(rows)
     }
 
     /// Makes a picture as `shot` does, and says what it took.
-    fn picture(&self, keyframe: &Keyframe, file: &Path) -> anyhow::Result<Picture> {
+    fn picture(&self, keyframe: &Keyframe, file: &Path, delay: Option<Delay>) -> anyhow::Result<Picture> {
         let started = Started::now();
-        let (context, mut scene) = self.draw.open_for(file, Scope::Still)?;
+        let options = SceneOptions { scope: Scope::Still, delay, ..self.draw.patches.options()? };
+        let (context, mut scene) = self.draw.open_with(file, options)?;
         let (view, look) = (self.view_of(keyframe, scene.planet()), self.look_at(keyframe, scene.planet()));
         scene.set_sun(look.sun);
         first_picture(&mut scene, &view)?;

@@ -9,6 +9,8 @@ pub(super) enum Row<'a> {
     Nothing(&'a Sight, Picture),
     /// The same once more, its patches read.
     File(&'a Sight, Picture),
+    /// The same over a line.
+    Line(&'a Sight, Picture),
     /// A turn on the spot.
     Turn(&'a Sight, Turn),
 }
@@ -24,6 +26,7 @@ pub(super) fn print(rows: &[Row]) {
         match row {
             Row::Nothing(sight, picture) => print_picture(sight, "from nothing", picture),
             Row::File(sight, picture) => print_picture(sight, "from the file", picture),
+            Row::Line(sight, picture) => print_picture(sight, "over the line", picture),
             Row::Turn(..) => {}
         }
     }
@@ -42,7 +45,7 @@ pub(super) fn print(rows: &[Row]) {
 fn print_picture(sight: &Sight, row: &str, p: &Picture) {
     let (cpu_s, peak) = (or_dash(p.usage.cpu_s, 1), or_dash(p.usage.peak_bytes.map(megabytes), 0));
     println!(
-        "| {} | {row} | {} | {} | {} | {} | {} | {cpu_s} | {:.1} | {:.1} | {:.0} | {:.0} | {peak} |",
+        "| {} | {row} | {} | {} | {} | {} | {} | {cpu_s} | {:.2} | {:.2} | {:.0} | {:.0} | {peak} |",
         sight.name,
         p.drawn,
         p.resident,
@@ -80,6 +83,7 @@ impl Row<'_> {
         match self {
             Row::Nothing(sight, picture) => described(sight, "from nothing", picture_json(picture), &picture.usage),
             Row::File(sight, picture) => described(sight, "from the file", picture_json(picture), &picture.usage),
+            Row::Line(sight, picture) => described(sight, "over the line", picture_json(picture), &picture.usage),
             Row::Turn(sight, turn) => described(sight, "turn", turn_json(turn), &turn.usage),
         }
     }
