@@ -7,24 +7,12 @@ layout(binding = 1) uniform sampler2D depth;
 layout(binding = 2) uniform sampler2D ground;
 layout(scalar, binding = 3) uniform View { FrameView view; };
 layout(binding = 4) uniform sampler2D edges;
-// The most cloud of each of the map's cells (planet/src/maps/clouds.rs).
-layout(binding = 5) uniform sampler2D cloud_most;
 
 // Whether there are clouds (1), and rays without air (2).
 layout(constant_id = 0) const int ASKED = 3;
 
 layout(location = 0) in vec2 in_uv;
 layout(location = 0) out vec4 out_color;
-
-// Whether there may be cloud on a view ray before `end`: where not, `cloudiness` is 0.
-bool may_meet_clouds(vec3 ray, float end) {
-    float t = distance_to_clouds(ray);
-    vec3 up = normalize(shading.camera + ray * t);
-    float most = texelFetch(cloud_most, ivec2(octahedral(up) * vec2(textureSize(cloud_most, 0))), 0).r;
-    // Filters that are wider than the cells take care of look beyond them.
-    bool wide = pixel_on_clouds(t, slant(ray, up)) > 2.0 * cloud_texel();
-    return t >= 0.0 && t < end && (wide || most + 0.002 >= CLOUD_EDGE - DETAIL_MOST);
-}
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);

@@ -31,12 +31,10 @@ vec2 octahedral(vec3 direction) {
     return to_texels(0.5 + 0.5 * (d.z >= 0.0 ? d.xy : folded), textureSize(cloud_map, 0));
 }
 
-// Width of a texel of the map in metres.
-float cloud_texel() { return CLOUD_TEXEL * (shading.radius + shading.cloud_height) / float(textureSize(cloud_map, 0).x); }
-
 // What the map holds around a direction, over what is the edge of clouds.
 float mapped_clouds(vec3 direction, float footprint) {
-    return textureLod(cloud_map, octahedral(direction), log2(footprint / cloud_texel())).r - CLOUD_EDGE;
+    float texel = CLOUD_TEXEL * (shading.radius + shading.cloud_height) / float(textureSize(cloud_map, 0).x);
+    return textureLod(cloud_map, octahedral(direction), log2(footprint / texel)).r - CLOUD_EDGE;
 }
 
 float share_of_depth(float map) {
@@ -77,6 +75,13 @@ float distance_to_clouds(vec3 ray) {
 // Cosine between a view ray and the vertical where it meets the sheet, and the width of a pixel there.
 float slant(vec3 ray, vec3 up) { return max(abs(dot(ray, up)), 0.1); }
 float pixel_on_clouds(float distance, float cosine) { return distance * pixel_angle() * inversesqrt(cosine); }
+
+// Whether there may be cloud on a view ray before `end`: where not, `cloudiness` is 0.
+bool may_meet_clouds(vec3 ray, float end) {
+    float t = distance_to_clouds(ray);
+    vec3 up = normalize(shading.camera + ray * t);
+    return t >= 0.0 && t < end && mapped_clouds(up, pixel_on_clouds(t, slant(ray, up))) >= -DETAIL_MOST;
+}
 
 // Share of the light of stars that the clouds let through along a view ray.
 float starlight_through_clouds(vec3 ray) {

@@ -35,7 +35,7 @@ impl Ocean {
         commands.ready(&[ground.depth, ground.color, ground.edges].map(|view| view.to(Access::Sampled)))?;
         classes::begin(commands, water, targets.classes.view(), false)?;
         let classify = &self.classify[usize::from(shared.has_clouds()) + 2 * usize::from(shared.has_space())];
-        classify.draw(commands, &[own.as_slice(), &view, &[clouds.most()], &clouds.bound()].concat())?;
+        classify.draw(commands, &[own.as_slice(), &view, &clouds.bound()].concat())?;
         if shared.has_sea() {
             let resources = [own.as_slice(), &[shared.tiles.waves()], &air.light(), &air.eye(), &clouds.bound()].concat();
             self.sea.draw(commands, &resources)?;

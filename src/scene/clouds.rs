@@ -6,7 +6,7 @@ use crate::vulkan::{vk, Context, Image, ImageDescription, Resource, Result, Samp
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError};
 use std::sync::Arc;
 use std::time::Duration;
-use terrane_planet::maps::clouds::{cloud_detail, cloud_levels, cloud_most, CloudLevel, CLOUD_SIDE, DETAIL_SIDE, MOST_CELL};
+use terrane_planet::maps::clouds::{cloud_detail, cloud_levels, CloudLevel, CLOUD_SIDE, DETAIL_SIDE};
 use terrane_planet::planet::Planet;
 use terrane_planet::store::Records;
 
@@ -77,7 +77,6 @@ impl LateClouds {
 /// The maps; of one black texel where the recipe has no clouds.
 pub struct CloudMaps {
     map: Image,
-    most: Image,
     detail: Image,
     clamp: Sampler,
     repeat: Sampler,
@@ -90,21 +89,16 @@ impl CloudMaps {
             Some(map) => (cloud_levels(map, CLOUD_SIDE), cloud_detail(seed), CLOUD_SIDE, DETAIL_SIDE),
             None => (vec![vec![0]], vec![vec![[0.0]]], 1, 1),
         };
-        let plain = |name, side: usize, format| {
-            ImageDescription::new(name, (side as u32, side as u32), format, vk::ImageUsageFlags::SAMPLED)
-        };
         let image = |name, side: usize, format| {
-            Image::new(context, &ImageDescription { mips: side.ilog2() + 1, ..plain(name, side, format) })
+            let plain = ImageDescription::new(name, (side as u32, side as u32), format, vk::ImageUsageFlags::SAMPLED);
+            Image::new(context, &ImageDescription { mips: side.ilog2() + 1, ..plain })
         };
         let map = image("clouds", side, vk::Format::R8_UNORM)?;
-        let cells = if side == 1 { vec![0] } else { cloud_most(&levels[0], side) };
-        let most = Image::new(context, &plain("most clouds", (side / MOST_CELL).max(1), vk::Format::R8_UNORM))?;
         let tile = image("cloud detail", detail_side, vk::Format::R16_SFLOAT)?;
         let mut upload = Upload::new(context, CHUNK);
         for (mip, texels) in levels.iter().enumerate() {
             upload.image(&map, 0, mip as u32, texels)?;
         }
-        upload.image(&most, 0, 0, &cells)?;
         for (mip, texels) in detail.iter().enumerate() {
             let halves: Vec<u16> = texels.iter().map(|&[x]| half::f16::from_f32(x).to_bits()).collect();
             upload.image(&tile, 0, mip as u32, &halves)?;
@@ -113,7 +107,7 @@ impl CloudMaps {
         let repeat = SamplerDescription { address: vk::SamplerAddressMode::REPEAT, ..SamplerDescription::default() };
         let (clamp, repeat) =
             (Sampler::new(context, "clouds", &SamplerDescription::default())?, Sampler::new(context, "cloud detail", &repeat)?);
-        Ok(CloudMaps { map, most, detail: tile, clamp, repeat })
+        Ok(CloudMaps { map, detail: tile, clamp, repeat })
     }
 
     /// What `shared/clouds.glsl` binds.
@@ -122,10 +116,5 @@ impl CloudMaps {
             ("cloud_map", Resource::Sampled(self.map.view(), &self.clamp)),
             ("cloud_detail", Resource::Sampled(self.detail.view(), &self.repeat)),
         ]
-    }
-
-    /// Where clouds may be at most, as `classify.frag` binds it.
-    pub(crate) fn most(&self) -> (&'static str, Resource<'_>) {
-        ("cloud_most", Resource::Sampled(self.most.view(), &self.clamp))
     }
 }

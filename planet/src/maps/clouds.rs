@@ -91,25 +91,6 @@ pub fn cloud_levels(finest: CloudLevel, side: usize) -> Vec<CloudLevel> {
     levels
 }
 
-/// Texels of the map along a cell of [`cloud_most`].
-pub const MOST_CELL: usize = 4;
-
-/// The most cloud that is found in each cell of [`MOST_CELL`] texels a side of a map, however it is filtered, as long as no mip level
-/// beyond the second counts: bilinear filters of that one reach three texels far. Cells on the octahedron's edges are full.
-pub fn cloud_most(finest: &[u8], side: usize) -> Vec<u8> {
-    let cells = side / MOST_CELL;
-    let near = |cell: usize| (cell * MOST_CELL).saturating_sub(MOST_CELL)..(cell * MOST_CELL + 2 * MOST_CELL).min(side);
-    let most = |bytes: &mut dyn Iterator<Item = u8>| bytes.fold(0, u8::max);
-    let rows = |row: usize| {
-        let wide: Vec<u8> = (0..side).map(|x| most(&mut near(row).map(|y| finest[y * side + x]))).collect();
-        let is_edge = |cell: usize| cell == 0 || cell == cells - 1;
-        let of_cell =
-            |column: usize| if is_edge(row) || is_edge(column) { 255 } else { most(&mut near(column).map(|x| wide[x])) };
-        (0..cells).map(of_cell).collect::<Vec<_>>()
-    };
-    (0..cells).into_par_iter().flat_map_iter(rows).collect()
-}
-
 /// Gives texels that lie on the same point of the octahedron the same value.
 fn share_edges(level: &mut [u8], side: usize) {
     let last = side - 1;
@@ -288,29 +269,6 @@ mod tests {
             assert!((back[0] - x).abs() + (back[1] - y).abs() < 1e-12);
         }
         assert!(unfolded(0.0, 0.0).distance(DVec3::Z) < 1e-12 && unfolded(1.0, 1.0).distance(-DVec3::Z) < 1e-12);
-    }
-
-    #[test]
-    fn no_filter_of_two_levels_finds_more_cloud_than_a_cell_holds_at_most() {
-        let (levels, side) = (map(0.4), 128);
-        let most = cloud_most(&levels[0], side);
-        let bilinear = |level: usize, at: [f64; 2]| {
-            let (level, side) = (&levels[level], side >> level);
-            let [x, y] = at.map(|a| (a * side as f64 - 0.5).clamp(0.0, (side - 1) as f64));
-            let texel = |x: usize, y: usize| f64::from(level[y.min(side - 1) * side + x.min(side - 1)]);
-            let (left, top) = (x.floor() as usize, y.floor() as usize);
-            let row = |y: usize| texel(left, y) + (texel(left + 1, y) - texel(left, y)) * x.fract();
-            row(top) + (row(top + 1) - row(top)) * y.fract()
-        };
-        let (mut below, cells) = (0, side / MOST_CELL);
-        for k in 0..20_000 {
-            let at = [0.618_033_988_7, 0.754_877_666_2].map(|step: f64| (step * f64::from(k)).fract());
-            let [column, row] = at.map(|a| (a * cells as f64) as usize);
-            let held = f64::from(most[row * cells + column]);
-            assert!((0..2).all(|level| bilinear(level, at) <= held + 1e-6), "{at:?}");
-            below += usize::from(held < 255.0 * f64::from(CLOUD_EDGE));
-        }
-        assert!(below > 1000, "clear skies stay clear: {below} of 20,000");
     }
 
     #[test]
