@@ -10,7 +10,10 @@ use common::{command, skipped, text};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use terrane::stills::read_view;
+use terrane_planet::draw::view_line::ViewLine;
 
 /// Longest wait for an event that should come at once.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -44,8 +47,18 @@ impl Drop for Owned {
     }
 }
 
+/// Held by the test whose window is open: frames of one must not wait for those of another.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// An X server, for one test at a time.
+struct Server {
+    _process: Owned,
+    _turn: MutexGuard<'static, ()>,
+}
+
 /// An X server on a display number that it finds by itself. None if there is no Xvfb.
-fn display() -> Option<(Owned, String)> {
+fn display() -> Option<(Server, String)> {
+    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let mut command = Command::new("Xvfb");
     // Without -noreset the server resets when its last client leaves, and drops a client that connects at that moment.
     command.args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp", "-noreset"]);
@@ -58,7 +71,7 @@ fn display() -> Option<(Owned, String)> {
         number.push(char::from(byte[0]));
     }
     assert!(!number.is_empty(), "Xvfb found no free display");
-    Some((server, format!(":{number}")))
+    Some((Server { _process: server, _turn: turn }, format!(":{number}")))
 }
 
 /// Sends keys and mouse events to one window.
@@ -189,6 +202,46 @@ fn a_flight_obeys_mouse_and_keys_and_leaves_validation_silent() {
     assert_eq!(code, Some(0), "{stderr}");
     assert!(stdout.contains(" frames in "), "{stdout}");
     assert_eq!(stderr, "");
+}
+
+#[test]
+fn a_window_copies_its_view_and_a_still_shows_the_same() {
+    let Some((_server, display)) = display() else { return skipped(&"no Xvfb; apt install xvfb") };
+    if Hand::xdotool(&display, &["version"]).is_none() {
+        return skipped(&"no xdotool; apt install xdotool");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let planet = bake(folder.path());
+    let view = "terrane:1/at=10,20/altitude=9000/size=320x240/exposure=1/sun=90,30/stored-only/clear-sky";
+    let mut command = terrane(&["fly", "--validate", "--view", view, "--screenshots"]);
+    command.arg(folder.path()).arg(&planet).env("DISPLAY", &display).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut flight = Owned(command.spawn().unwrap());
+    let hand = Hand::on(&display, &mut flight);
+    std::thread::sleep(3 * FRAMES);
+    let shown = hand.picture(&folder.path().join("terrane-1.png"));
+    hand.key("c");
+    hand.key("Escape");
+    let (code, stdout, stderr) = end(flight);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    let copied: ViewLine = stdout.lines().next().unwrap().parse().unwrap();
+    assert_eq!((copied.at, copied.planet.as_deref(), copied.stored_only), ([10.0, 20.0], Some("Tiny"), true));
+
+    let file = std::io::BufReader::new(std::fs::File::open(folder.path().join("terrane-1.png")).unwrap());
+    let carried: ViewLine = read_view(file).unwrap().unwrap().parse().unwrap();
+    assert_eq!(ViewLine { time: None, ..carried }, ViewLine { time: None, ..copied });
+    let still = folder.path().join("still.png");
+    let mut command = terrane(&["shot", "--view"]);
+    command.arg(folder.path().join("terrane-1.png")).arg(&planet).arg("--out").arg(&still);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let still = Picture::read(&still);
+    let difference = |other: &Picture| {
+        let sum: u64 = shown.rgb.iter().zip(&other.rgb).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        sum as f64 / shown.rgb.len() as f64
+    };
+    assert!(still.size == shown.size && difference(&still) < 1.0, "{} steps of 255 apart", difference(&still));
+    let turned = Picture { size: still.size, rgb: still.rgb.iter().rev().copied().collect() };
+    assert!(difference(&turned) > 5.0, "the check sees nothing");
 }
 
 /// Ticks of the processor that a process has taken so far.

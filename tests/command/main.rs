@@ -20,3 +20,4 @@ mod raster;
 mod record;
 mod simplify;
 mod study;
+mod views;

@@ -3,6 +3,7 @@
 use super::exporting::{write_sidecar, ExportOptions};
 use super::output::{check_output, Output};
 use super::viewing::CameraOptions;
+use super::views::{check_planet, given, HELP, VALUE};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
@@ -11,6 +12,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::view::View;
+use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::export::{origin_near, view_surface, Format, Placed, EXTENSIONS};
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
@@ -33,6 +35,8 @@ enum Centre {
 pub(crate) struct Mesh {
     /// Planet file.
     file: PathBuf,
+    #[arg(long, value_name = VALUE, value_parser = given, help = HELP)]
+    view: Option<ViewLine>,
     #[command(flatten)]
     camera: CameraOptions,
     /// Keep what the camera does not see: one closed surface around the planet.
@@ -51,15 +55,19 @@ pub(crate) struct Mesh {
 }
 
 impl Run for Mesh {
-    fn run(self) -> anyhow::Result<Outcome> {
+    fn run(mut self) -> anyhow::Result<Outcome> {
         let format = Format::of(&self.out)?;
         self.export.check(format)?;
         check_output("--out", &self.out, Output::File(&[]))?;
         self.export.check_sidecar(&self.out, std::slice::from_ref(&self.file))?;
         let file = PlanetFile::open(&self.file)?;
         let planet = Planet::from_header(file.header())?;
+        if let Some(line) = &self.view {
+            check_planet(line, &planet);
+            self.camera.take(line);
+        }
         let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));
-        let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error);
+        let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error());
         let surface = view_surface(&tree, &view, self.whole, |id| file.mesh(id).map(|m| LoadedPatch::new(m, &planet.lattice)))?;
         let origin = match (self.centre, format) {
             (Some(Centre::View), _) | (None, Format::Glb | Format::Stl) => origin_near(view.gpu.anchor),

@@ -31,6 +31,7 @@ mod still;
 mod study;
 mod verify;
 mod viewing;
+mod views;
 
 use crate::Outcome;
 
