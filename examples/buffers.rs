@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let relative = |position: &glam::IVec3| ((position.as_dvec3() - view.eye) * planet.lattice.unit).as_vec3();
     let positions: Vec<glam::Vec3> = surface.positions.iter().map(relative).collect();
     let indices: &[[u32; 3]] = &surface.triangles;
-    println!("{} patches, {} positions of 12 bytes, {} triangles", surface.patches, positions.len(), indices.len());
+    println!("{} patches, {} positions of 12 bytes, {} triangles", surface.parts.len(), positions.len(), indices.len());
 
     let mut file = BufWriter::new(std::fs::File::create(&out)?);
     for p in &positions {
