@@ -50,7 +50,7 @@ const PIXELS_PER_NOTCH: f64 = 40.0;
 #[derive(Debug, Error)]
 pub enum AppError {
     /// Nowhere to open a window.
-    #[error("no window system: {tried}; {reason}. Start it in a desktop session, or make pictures without a window with `terrane shot`")]
+    #[error("no window system: {tried}; {reason}. Start it in a desktop session, or make pictures and films without a window with `terrane shot` and `terrane record`")]
     NoWindowSystem {
         /// What was looked at, and what was there.
         tried: String,
@@ -58,7 +58,9 @@ pub enum AppError {
         reason: String,
     },
     /// The window system refuses.
-    #[error("cannot open a window: {reason}; pictures without a window are made with `terrane shot`")]
+    #[error(
+        "cannot open a window: {reason}; pictures and films without a window are made with `terrane shot` and `terrane record`"
+    )]
     Window {
         /// What the window library said.
         reason: String,

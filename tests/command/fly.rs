@@ -244,6 +244,28 @@ fn a_window_copies_its_view_and_a_still_shows_the_same() {
     assert!(difference(&turned) > 5.0, "the check sees nothing");
 }
 
+#[test]
+fn without_a_file_it_flies_over_terra_and_keeps_what_it_builds() {
+    let Some((_server, display)) = display() else { return skipped(&"no Xvfb; apt install xvfb") };
+    if Hand::xdotool(&display, &["version"]).is_none() {
+        return skipped(&"no xdotool; apt install xdotool");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let begun = Instant::now();
+    let mut command = terrane(&["fly", "--size", "320x240", "--spacing", "100000", "--screenshots"]);
+    command.arg(folder.path()).env("DISPLAY", &display).env("XDG_CACHE_HOME", folder.path().join("cache"));
+    let mut flight = Owned(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
+    let hand = Hand::on(&display, &mut flight);
+    let first = hand.picture(&folder.path().join("terrane-1.png"));
+    println!("first picture saved after {:.2} s", begun.elapsed().as_secs_f64());
+    assert!(first.colours() > 50 && first.brightness(160, 120) > first.brightness(3, 3) + 60, "{} colours", first.colours());
+    hand.key("Escape");
+    let (code, _, stderr) = end(flight);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    let kept = std::fs::read_dir(folder.path().join("cache/terrane")).unwrap().next().unwrap().unwrap();
+    assert!(kept.file_name().to_string_lossy().starts_with("terra-"), "{kept:?}");
+}
+
 /// Ticks of the processor that a process has taken so far.
 fn ticks(process: u32) -> u64 {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap();
@@ -318,7 +340,7 @@ fn without_a_display_it_says_so_and_what_to_do() {
         let output = command.output().unwrap();
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{message}");
-        for part in ["no window system", found, "WAYLAND_DISPLAY is not set", "terrane shot"] {
+        for part in ["no window system", found, "WAYLAND_DISPLAY is not set", "terrane shot", "terrane record"] {
             assert!(message.contains(part), "{part}: {message}");
         }
         assert!(!message.contains("panicked"), "{message}");

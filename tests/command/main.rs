@@ -16,6 +16,7 @@ mod gpu;
 mod look;
 mod mesh_and_bench;
 mod output;
+mod planets;
 mod raster;
 mod record;
 mod simplify;

@@ -3,6 +3,7 @@
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
 use super::paths::load_path;
+use super::planets::{planet_file, FILE};
 use super::viewing::{report_messages, CameraOptions, Exposure};
 use super::views::{check_planet, given, note_planet, HELP as HELP_VIEW, VALUE};
 use super::{pictures, Run};
@@ -17,15 +18,21 @@ use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
 
+/// The planet unless told otherwise.
+const USUAL: &str = "terra";
+
 /// How long the viewer stands at the end of a path whose frames are reported.
 const STANDS: Duration = Duration::from_secs(5);
 
 /// Fly over a planet in a window.
+///
+/// A recipe needs no bake: its patches are built as they are seen, and kept in a file in the user's cache folder.
 #[derive(clap::Args)]
 #[command(after_help = format!("Keys and mouse:\n{HELP}"))]
 pub(crate) struct Fly {
-    /// Planet file.
-    file: PathBuf,
+    /// Planet file; or a recipe: a TOML file, or the name of one that comes with the command [default: that of --view, or terra].
+    #[arg(value_name = FILE)]
+    file: Option<PathBuf>,
     #[arg(long, value_name = VALUE, value_parser = given, help = HELP_VIEW)]
     view: Option<ViewLine>,
     #[command(flatten)]
@@ -80,7 +87,10 @@ impl Run for Fly {
             self.draw.take(line);
         }
         check_output("--screenshots", &self.screenshots, Output::Folder)?;
-        let planet = Planet::from_header(PlanetFile::open(&self.file)?.header())?;
+        let seen = self.view.as_ref().filter(|line| line.planet.is_some());
+        let given = self.file.as_deref().or(if seen.is_none() { Some(Path::new(USUAL)) } else { None });
+        let place = planet_file(given, seen)?;
+        let planet = Planet::from_header(PlanetFile::open(place.path())?.header())?;
         self.view.iter().for_each(|line| check_planet(line, &planet));
         let camera = self.camera.camera(&planet)?;
         let mut view = self.camera.line(&planet)?;
@@ -89,7 +99,7 @@ impl Run for Fly {
         let folder = self.screenshots;
         let path = self.path.as_deref().map(load_path).transpose()?;
         let (report, ended) = fly(FlyOptions {
-            file: self.file.clone(),
+            file: place.path().to_owned(),
             scale: self.scale.0.map(Scale::Fixed).or(self.frame_ms.map(Scale::Within)),
             most_fps: self.max_fps,
             path,

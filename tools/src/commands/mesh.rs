@@ -2,6 +2,7 @@
 
 use super::exporting::{write_sidecar, ExportOptions};
 use super::output::{check_output, Output};
+use super::planets::{built_planet_file, FILE, WITH_VIEW};
 use super::viewing::CameraOptions;
 use super::views::{check_planet, given, HELP, VALUE};
 use super::{pictures, Run};
@@ -28,13 +29,15 @@ enum Centre {
 
 /// Write the mesh of a view, exactly the triangles that would be drawn. Needs no GPU.
 ///
+/// Patches are those of the planet file. Of a recipe it holds two levels, and what was built in pictures and flights.
+///
 /// OBJ, PLY and 3MF hold planet-fixed metres without any rounding (+Z north, +X longitude 0; see --up). GLB and STL hold single precision,
 /// GLB in glTF's axes: planet (x, y, z) becomes (x, z, -y). Its positions count from a lattice point next to the camera, which the node's
 /// translation and extras hold exactly; they are off by at most a 2^-25th of their size: 0.03 mm at 1 km from the camera.
 #[derive(clap::Args)]
 pub(crate) struct Mesh {
-    /// Planet file.
-    file: PathBuf,
+    #[arg(value_name = FILE, help = WITH_VIEW)]
+    file: Option<PathBuf>,
     #[arg(long, value_name = VALUE, value_parser = given, help = HELP)]
     view: Option<ViewLine>,
     #[command(flatten)]
@@ -59,8 +62,9 @@ impl Run for Mesh {
         let format = Format::of(&self.out)?;
         self.export.check(format)?;
         check_output("--out", &self.out, Output::File(&[]))?;
-        self.export.check_sidecar(&self.out, std::slice::from_ref(&self.file))?;
-        let file = PlanetFile::open(&self.file)?;
+        let place = built_planet_file(self.file.as_deref(), self.view.as_ref())?;
+        self.export.check_sidecar(&self.out, &[place.path().to_owned()])?;
+        let file = PlanetFile::open(place.path())?;
         let planet = Planet::from_header(file.header())?;
         if let Some(line) = &self.view {
             check_planet(line, &planet);

@@ -20,6 +20,7 @@ mod output;
 mod packing;
 mod paths;
 mod pictures;
+mod planets;
 mod radiance;
 mod raster;
 mod recipes;

@@ -4,6 +4,7 @@ use super::building::{stop_on_signals, Report};
 use super::drawing::DrawOptions;
 use super::film::{container, Film};
 use super::paths::load_path;
+use super::planets::{planet_file, FILE, WITH_VIEW};
 use super::still::StillArguments;
 use super::viewing::{check_tolerance, picture_size};
 use super::views::{check_planet, given, VALUE};
@@ -35,8 +36,8 @@ const MOST_FRAMES: f64 = 999_999.0;
 /// ffmpeg, which must be installed, and starts anew each time.
 #[derive(clap::Args)]
 pub(crate) struct Record {
-    /// Planet file.
-    file: PathBuf,
+    #[arg(value_name = FILE, help = WITH_VIEW)]
+    file: Option<PathBuf>,
     /// Keyframes: a JSON file, or `descent`, `flyover`, `ground` or `plunge`, which come with the command.
     #[arg(long, value_name = "PATH.json|NAME")]
     path: PathBuf,
@@ -93,7 +94,8 @@ impl Run for Record {
         ensure!(frames <= MOST_FRAMES, "--fps: {frames} frames, expected at most {MOST_FRAMES}; choose fewer a second");
         let stop = stop_on_signals()?;
         let mut film = self.film(&path)?;
-        let (context, mut scene) = self.draw.open(&self.file)?;
+        let place = planet_file(self.file.as_deref(), self.view.as_ref())?;
+        let (context, mut scene) = self.draw.open(place.path())?;
         self.view.iter().for_each(|line| check_planet(line, scene.planet()));
         let look = self.draw.look_along(&scene.planet().recipe, &path);
         scene.set_sun(look.sun);
@@ -151,8 +153,9 @@ impl Record {
 
     /// Refuses to go on with pictures that were recorded otherwise.
     fn check_notes(&self, notes: &Path, path: &CameraPath) -> anyhow::Result<()> {
+        let seen = self.view.as_ref().and_then(|line| line.planet.as_ref());
         let ours = json!({
-            "planet": self.file, "path": format!("{path:?}"), "fps": self.fps, "size": self.size(), "tolerance_px": self.error(),
+            "planet": self.file.as_deref().or(seen.map(Path::new)), "path": format!("{path:?}"), "fps": self.fps, "size": self.size(), "tolerance_px": self.error(),
             "still": format!("{:?}", self.still.options(PixelFormat::Eight)), "mesh": format!("{:?}", self.draw.mesh), "look": format!("{:?}", self.draw.look),
         });
         if !notes.exists() {

@@ -3,6 +3,7 @@
 use super::building::Report;
 use super::drawing::{first_picture, DrawOptions};
 use super::output::{check_output, Output};
+use super::planets::{planet_file, FILE, WITH_VIEW};
 use super::radiance::{write_exr, Taken};
 use super::stage_times::stage_times;
 use super::still::{format_of, StillArguments};
@@ -26,8 +27,8 @@ use terrane_planet::planet::Planet;
 /// Pictures may be larger than the device's images: they are drawn by tiles of one mesh, selected for the whole picture.
 #[derive(clap::Args)]
 pub(crate) struct Shot {
-    /// Planet file.
-    file: PathBuf,
+    #[arg(value_name = FILE, help = WITH_VIEW)]
+    file: Option<PathBuf>,
     #[arg(long, value_name = VALUE, value_parser = given, help = HELP)]
     view: Option<ViewLine>,
     #[command(flatten)]
@@ -59,7 +60,8 @@ impl Run for Shot {
         }
         let format = format_of(&self.out, self.depth)?;
         check_output("--out", &self.out, Output::File(&["png", "exr"]))?;
-        let (context, mut scene) = self.draw.open(&self.file)?;
+        let place = planet_file(self.file.as_deref(), self.view.as_ref())?;
+        let (context, mut scene) = self.draw.open(place.path())?;
         self.view.iter().for_each(|line| check_planet(line, scene.planet()));
         let camera = self.camera.camera(scene.planet())?;
         let view = self.draw.view(camera, scene.planet(), self.camera.error());
