@@ -8,7 +8,7 @@ use super::playback::{FlyFrame, Playback};
 use super::pose::Pose;
 use super::surface::DrawnSurface;
 use super::viewer::Viewer;
-use super::{AppError, FlyOptions, SaveScreenshot};
+use super::{view_line, AppError, FlyOptions, SaveScreenshot};
 use crate::frame::{FrameTables, Look, Overlay as OverlayStage, Renderer};
 use crate::scene::{uploads_within, Scene, SceneOptions, Scope};
 use crate::vulkan::{capture, vk, Access, Commands, Context, GpuKind, Image, ImageDescription, Swapchain};
@@ -17,6 +17,7 @@ use std::sync::Arc;
 use std::time::Instant;
 use terrane_planet::draw::layout::{EmitState, Mode};
 use terrane_planet::draw::view::View;
+use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::maps::waves::CASCADES;
 use winit::window::Window;
 
@@ -55,6 +56,8 @@ pub(super) struct Flight {
     renderer: Renderer,
     stage: OverlayStage,
     look: Look,
+    /// The view as text, as far as nothing changes it.
+    line: ViewLine,
     tolerance: f64,
     geomorphs: bool,
     orientation: bool,
@@ -91,16 +94,19 @@ impl Flight {
         let scale = options.scale.unwrap_or(Scale::Within(if software { SOFTWARE_MS } else { f64::INFINITY }));
         let shown = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
         let most_fps = options.most_fps.unwrap_or(shown.map_or(USUAL_FPS, |millihertz| f64::from(millihertz) * 1e-3));
+        let mut renderer = Renderer::new(&context, (options.camera.size[0], options.camera.size[1]), format)?;
+        renderer.time = options.view.time.unwrap_or(0.0);
         Ok(Flight {
             viewer: Viewer::new(&options.camera),
             overlay: Overlay::default(),
             scene,
             window,
-            renderer: Renderer::new(&context, (options.camera.size[0], options.camera.size[1]), format)?,
+            renderer,
             stage: OverlayStage::new(&context, format)?,
             context,
             swapchain,
             look: options.look,
+            line: options.view.clone(),
             tolerance: options.tolerance,
             geomorphs: options.geomorphs,
             orientation: options.orientation,
@@ -175,10 +181,10 @@ impl Flight {
         self.swapchain.resize(width, height);
     }
 
-    /// Does what a key asks for, other than ending.
+    /// Does what a key asks for, other than ending and what goes to the user.
     pub(super) fn obey(&mut self, command: Command) {
         match command {
-            Command::Quit => {}
+            Command::Quit | Command::CopyView => {}
             Command::Help => self.overlay.help = !self.overlay.help,
             Command::SwitchCamera => self.viewer.switch_camera(),
             Command::Show(mode) => self.look.mode = mode,
@@ -307,6 +313,18 @@ impl Flight {
         }
     }
 
+    /// What is seen, as text that shows it elsewhere.
+    pub(super) fn view_line(&self) -> ViewLine {
+        let line = ViewLine {
+            time: Some(self.renderer.time),
+            no_geomorphs: !self.geomorphs,
+            orientation: self.orientation,
+            error: Some(self.tolerance),
+            ..self.line.clone()
+        };
+        view_line::of(line, &self.viewer, self.scene.planet().recipe.radius, &self.look)
+    }
+
     fn view(&self) -> View {
         let camera = self.viewer.pose.camera(&self.viewer.lens);
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
@@ -344,7 +362,7 @@ impl Flight {
             self.renderer.record_picture(commands, &self.scene, &self.look, image.view())
         })?;
         let pixels = capture(&self.context, &image, (0, 0), Access::ColorTarget)?.to_rgba8()?;
-        let said = save([size.0, size.1], &pixels).unwrap_or_else(|problem| problem);
+        let said = save([size.0, size.1], &pixels, &self.view_line()).unwrap_or_else(|problem| problem);
         tracing::info!("{said}");
         self.overlay.say(said);
         Ok(())

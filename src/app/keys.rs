@@ -18,7 +18,8 @@ Shift        free flight: faster
 1 to 6       shaded, wire, levels, normals, albedo, depth
 M            the next of them
 F, L         wire, levels: on and off
-C            clouds: on and off
+C            copy the view as text: for shot, fly and record --view
+K            clouds: on and off
 G            geomorphs: on and off
 Z            freeze the selection, to look at it from elsewhere
 P, F12       save a picture
@@ -40,6 +41,8 @@ pub(super) enum Command {
     ShowNext,
     /// A mode, or the shaded one if it is on already.
     Toggle(Mode),
+    /// Copy the view as text.
+    CopyView,
     /// Clouds on or off.
     Clouds,
     /// Geomorphs on or off.
@@ -84,7 +87,8 @@ pub(super) fn command(physical: PhysicalKey, logical: &Key) -> Option<Command> {
             "m" => Some(Command::ShowNext),
             "f" => Some(Command::Toggle(Mode::Wire)),
             "l" => Some(Command::Toggle(Mode::Levels)),
-            "c" => Some(Command::Clouds),
+            "c" => Some(Command::CopyView),
+            "k" => Some(Command::Clouds),
             "g" => Some(Command::Geomorphs),
             "z" => Some(Command::Freeze),
             "p" => Some(Command::Screenshot),

@@ -13,6 +13,7 @@ mod pacing;
 mod playback;
 mod pose;
 mod surface;
+mod view_line;
 mod viewer;
 
 pub use keys::HELP;
@@ -31,6 +32,7 @@ use std::time::{Duration, Instant};
 use surface::DrawnSurface;
 use terrane_planet::draw::camera_path::CameraPath;
 use terrane_planet::draw::view::Camera;
+use terrane_planet::draw::view_line::ViewLine;
 use thiserror::Error;
 use viewer::Button;
 use winit::application::ApplicationHandler;
@@ -48,7 +50,7 @@ const PIXELS_PER_NOTCH: f64 = 40.0;
 #[derive(Debug, Error)]
 pub enum AppError {
     /// Nowhere to open a window.
-    #[error("no window system: {tried}; {reason}. Start it in a desktop session, or make pictures without a window with `terrane shot`")]
+    #[error("no window system: {tried}; {reason}. Start it in a desktop session, or make pictures and films without a window with `terrane shot` and `terrane record`")]
     NoWindowSystem {
         /// What was looked at, and what was there.
         tried: String,
@@ -56,7 +58,9 @@ pub enum AppError {
         reason: String,
     },
     /// The window system refuses.
-    #[error("cannot open a window: {reason}; pictures without a window are made with `terrane shot`")]
+    #[error(
+        "cannot open a window: {reason}; pictures and films without a window are made with `terrane shot` and `terrane record`"
+    )]
     Window {
         /// What the window library said.
         reason: String,
@@ -69,8 +73,11 @@ pub enum AppError {
     Vulkan(#[from] VulkanError),
 }
 
-/// Saves a picture: size, and RGBA bytes row by row. Returns what to tell the user, in either case.
-pub type SaveScreenshot = Box<dyn FnMut([u32; 2], &[u8]) -> Result<String, String>>;
+/// Saves a picture: size, RGBA bytes row by row, and the view. Returns what to tell the user, in either case.
+pub type SaveScreenshot = Box<dyn FnMut([u32; 2], &[u8], &ViewLine) -> Result<String, String>>;
+
+/// Hands a view to the user as text. Returns what to tell them.
+pub type CopyView = Box<dyn FnMut(&ViewLine) -> String>;
 
 /// How to fly.
 pub struct FlyOptions {
@@ -98,8 +105,12 @@ pub struct FlyOptions {
     pub stand: Option<Duration>,
     /// What the scene may use and build.
     pub scene: SceneOptions,
+    /// What is known of the view beside camera and look: planet, spacing and so on; and for how many seconds waves have run.
+    pub view: ViewLine,
     /// Takes screenshots.
     pub save: SaveScreenshot,
+    /// Takes views as text.
+    pub copy: CopyView,
 }
 
 /// What a flight was.
@@ -179,6 +190,10 @@ impl App {
         flight.touch();
         match keys::command(event.physical_key, &event.logical_key).filter(|_| down) {
             Some(Command::Quit) => events.exit(),
+            Some(Command::CopyView) if !event.repeat => {
+                let said = (self.options.copy)(&flight.view_line());
+                flight.overlay.say(said);
+            }
             // Holding a key repeats only what is gradual.
             Some(command @ (Command::Sun(_) | Command::Zoom(_))) => flight.obey(command),
             Some(command) if !event.repeat => flight.obey(command),

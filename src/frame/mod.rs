@@ -31,7 +31,7 @@ pub use buffers::{FrameBuffers, MAX_TRIANGLES};
 pub use edges::Edge;
 #[cfg(feature = "app")]
 pub use overlay::Overlay;
-pub use shading::{shading, sun_over, Look};
+pub use shading::{shading, sun_over, sun_seen_from, Look};
 pub use stage::{PerStage, Stage};
 pub use tables::{FrameTables, MeshTasks};
 pub use targets::{Targets, DEPTH_FORMAT, RADIANCE_FORMAT};

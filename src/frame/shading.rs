@@ -45,6 +45,13 @@ pub fn sun_over(site: DVec3, azimuth: f64, elevation: f64) -> DVec3 {
     (frame.y_axis * a.cos() + frame.x_axis * a.sin()) * e.cos() + frame.z_axis * e.sin()
 }
 
+/// Where a sun stands as seen from a site, as [`sun_over`] takes it: degrees clockwise from north, from -180 to 180, and above the horizon.
+pub fn sun_seen_from(site: DVec3, sun: DVec3) -> [f64; 2] {
+    let frame = local_frame(site);
+    let [east, north, up] = [frame.x_axis, frame.y_axis, frame.z_axis].map(|axis| sun.dot(axis));
+    [east.atan2(north).to_degrees(), up.atan2(east.hypot(north)).to_degrees()]
+}
+
 /// Fills the shading block of a frame; `lowest` is the height of the lowest ground above the datum in metres.
 pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shading {
     let (camera, [left, top], [width, height]) = (&view.camera, view.window.origin, view.window.size);
@@ -122,6 +129,15 @@ mod tests {
     use terrane_planet::draw::layout::{LUMINANCE, NIGHT, SUN};
     use terrane_planet::recipe::shipped;
     use terrane_planet::reference::air::Air;
+
+    #[test]
+    fn suns_are_seen_where_they_were_put() {
+        for (azimuth, elevation) in [(10.0, 35.0), (-120.0, -4.5), (179.0, 80.0)] {
+            let site = DVec3::new(0.3, -0.5, 0.8).normalize();
+            let [found, height] = sun_seen_from(site, sun_over(site, azimuth, elevation));
+            assert!((found - azimuth).abs() < 1e-9 && (height - elevation).abs() < 1e-9, "{found} {height}");
+        }
+    }
 
     /// Irradiance of sun and sky on a level card, by brute force.
     fn irradiance(air: &Air, radius: f64, elevation: f64) -> f64 {

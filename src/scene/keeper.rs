@@ -76,7 +76,7 @@ impl Keeper {
         let (file, side) = match writable(path, header) {
             Ok(file) => (file, None),
             Err(refused) => {
-                let side = options.side.as_ref().map(|folder| folder.join(side_name(header)));
+                let side = options.side.as_ref().map(|folder| folder.join(header.file_name()));
                 let opened = side.as_ref().map(|side| {
                     if let Some(folder) = side.parent() {
                         // If this fails, so does what follows, with a better message.
@@ -124,13 +124,6 @@ fn writable(path: &Path, header: &PlanetHeader) -> Result<PlanetFile, StoreError
     let mut file = PlanetFile::create_or_resume(path, header)?;
     file.cache(&[], &[], &[], 0, u64::MAX)?;
     Ok(file)
-}
-
-/// A name that says which planet it is, and differs for every recipe.
-fn side_name(header: &PlanetHeader) -> String {
-    let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
-    let name: String = header.name.chars().map(plain).collect();
-    format!("{name}-{:08x}.planet", header.checksum())
 }
 
 fn keep(mut file: PlanetFile, notes: &Receiver<Note>, budget: u64) {

@@ -8,7 +8,7 @@ mod png;
 mod tiles;
 
 pub use develop::Pixels;
-pub use png::write_rgb_png;
+pub use png::{read_view, write_rgb_png, VIEW_KEYWORD};
 
 use crate::frame::Look;
 use crate::headless::{FrameReport, Headless};
@@ -123,6 +123,11 @@ impl Studio {
         let mut headless = Headless::new(context, (width, height))?;
         headless.renderer.starry = !options.transparent;
         Ok(Studio { headless, raster: (width, height), windows, size, options })
+    }
+
+    /// Sets for how many seconds waves have run.
+    pub fn set_time(&mut self, seconds: f64) {
+        self.headless.renderer.time = seconds;
     }
 
     /// Draws a picture of a view of this size. `progress` is told how many tiles of how many are done.

@@ -10,7 +10,10 @@ use common::{command, skipped, text};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
+use terrane::stills::read_view;
+use terrane_planet::draw::view_line::ViewLine;
 
 /// Longest wait for an event that should come at once.
 const PATIENCE: Duration = Duration::from_secs(60);
@@ -44,8 +47,18 @@ impl Drop for Owned {
     }
 }
 
+/// Held by the test whose window is open: frames of one must not wait for those of another.
+static TURN: Mutex<()> = Mutex::new(());
+
+/// An X server, for one test at a time.
+struct Server {
+    _process: Owned,
+    _turn: MutexGuard<'static, ()>,
+}
+
 /// An X server on a display number that it finds by itself. None if there is no Xvfb.
-fn display() -> Option<(Owned, String)> {
+fn display() -> Option<(Server, String)> {
+    let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let mut command = Command::new("Xvfb");
     // Without -noreset the server resets when its last client leaves, and drops a client that connects at that moment.
     command.args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp", "-noreset"]);
@@ -58,7 +71,7 @@ fn display() -> Option<(Owned, String)> {
         number.push(char::from(byte[0]));
     }
     assert!(!number.is_empty(), "Xvfb found no free display");
-    Some((server, format!(":{number}")))
+    Some((Server { _process: server, _turn: turn }, format!(":{number}")))
 }
 
 /// Sends keys and mouse events to one window.
@@ -191,6 +204,68 @@ fn a_flight_obeys_mouse_and_keys_and_leaves_validation_silent() {
     assert_eq!(stderr, "");
 }
 
+#[test]
+fn a_window_copies_its_view_and_a_still_shows_the_same() {
+    let Some((_server, display)) = display() else { return skipped(&"no Xvfb; apt install xvfb") };
+    if Hand::xdotool(&display, &["version"]).is_none() {
+        return skipped(&"no xdotool; apt install xdotool");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let planet = bake(folder.path());
+    let view = "terrane:1/at=10,20/altitude=9000/size=320x240/exposure=1/sun=90,30/stored-only/clear-sky";
+    let mut command = terrane(&["fly", "--validate", "--view", view, "--screenshots"]);
+    command.arg(folder.path()).arg(&planet).env("DISPLAY", &display).stdout(Stdio::piped()).stderr(Stdio::piped());
+    let mut flight = Owned(command.spawn().unwrap());
+    let hand = Hand::on(&display, &mut flight);
+    std::thread::sleep(3 * FRAMES);
+    let shown = hand.picture(&folder.path().join("terrane-1.png"));
+    hand.key("c");
+    hand.key("Escape");
+    let (code, stdout, stderr) = end(flight);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    let copied: ViewLine = stdout.lines().next().unwrap().parse().unwrap();
+    assert_eq!((copied.at, copied.planet.as_deref(), copied.stored_only), ([10.0, 20.0], Some("Tiny"), true));
+
+    let file = std::io::BufReader::new(std::fs::File::open(folder.path().join("terrane-1.png")).unwrap());
+    let carried: ViewLine = read_view(file).unwrap().unwrap().parse().unwrap();
+    assert_eq!(ViewLine { time: None, ..carried }, ViewLine { time: None, ..copied });
+    let still = folder.path().join("still.png");
+    let mut command = terrane(&["shot", "--view"]);
+    command.arg(folder.path().join("terrane-1.png")).arg(&planet).arg("--out").arg(&still);
+    let output = command.output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let still = Picture::read(&still);
+    let difference = |other: &Picture| {
+        let sum: u64 = shown.rgb.iter().zip(&other.rgb).map(|(a, b)| u64::from(a.abs_diff(*b))).sum();
+        sum as f64 / shown.rgb.len() as f64
+    };
+    assert!(still.size == shown.size && difference(&still) < 1.0, "{} steps of 255 apart", difference(&still));
+    let turned = Picture { size: still.size, rgb: still.rgb.iter().rev().copied().collect() };
+    assert!(difference(&turned) > 5.0, "the check sees nothing");
+}
+
+#[test]
+fn without_a_file_it_flies_over_terra_and_keeps_what_it_builds() {
+    let Some((_server, display)) = display() else { return skipped(&"no Xvfb; apt install xvfb") };
+    if Hand::xdotool(&display, &["version"]).is_none() {
+        return skipped(&"no xdotool; apt install xdotool");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let begun = Instant::now();
+    let mut command = terrane(&["fly", "--size", "320x240", "--spacing", "100000", "--screenshots"]);
+    command.arg(folder.path()).env("DISPLAY", &display).env("XDG_CACHE_HOME", folder.path().join("cache"));
+    let mut flight = Owned(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
+    let hand = Hand::on(&display, &mut flight);
+    let first = hand.picture(&folder.path().join("terrane-1.png"));
+    println!("first picture saved after {:.2} s", begun.elapsed().as_secs_f64());
+    assert!(first.colours() > 50 && first.brightness(160, 120) > first.brightness(3, 3) + 60, "{} colours", first.colours());
+    hand.key("Escape");
+    let (code, _, stderr) = end(flight);
+    assert_eq!((code, stderr.as_str()), (Some(0), ""));
+    let kept = std::fs::read_dir(folder.path().join("cache/terrane")).unwrap().next().unwrap().unwrap();
+    assert!(kept.file_name().to_string_lossy().starts_with("terra-"), "{kept:?}");
+}
+
 /// Ticks of the processor that a process has taken so far.
 fn ticks(process: u32) -> u64 {
     let stat = std::fs::read_to_string(format!("/proc/{process}/stat")).unwrap();
@@ -265,7 +340,7 @@ fn without_a_display_it_says_so_and_what_to_do() {
         let output = command.output().unwrap();
         let message = text(&output.stderr);
         assert_eq!(output.status.code(), Some(1), "{message}");
-        for part in ["no window system", found, "WAYLAND_DISPLAY is not set", "terrane shot"] {
+        for part in ["no window system", found, "WAYLAND_DISPLAY is not set", "terrane shot", "terrane record"] {
             assert!(message.contains(part), "{part}: {message}");
         }
         assert!(!message.contains("panicked"), "{message}");

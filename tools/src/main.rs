@@ -33,10 +33,11 @@ fn main() -> ExitCode {
     // `terrane info … | head` ends quietly, as other commands do, instead of panicking.
     sigpipe::reset();
     // RUST_LOG chooses levels, as in "info,terrane=debug".
-    let levels = std::env::var("RUST_LOG")
-        .ok()
-        .and_then(|levels| levels.parse().ok())
-        .unwrap_or_else(|| Targets::new().with_default(LevelFilter::WARN).with_target("winit", LevelFilter::ERROR));
+    let levels = std::env::var("RUST_LOG").ok().and_then(|levels| levels.parse().ok()).unwrap_or_else(|| {
+        // A clipboard manager that is not there is no trouble of the user's.
+        let quiet = [("winit", LevelFilter::ERROR), ("arboard", LevelFilter::ERROR)];
+        Targets::new().with_default(LevelFilter::WARN).with_targets(quiet)
+    });
     let lines = tracing_subscriber::fmt::layer().with_ansi(std::io::stderr().is_terminal()).with_writer(std::io::stderr);
     tracing_subscriber::registry().with(levels).with(lines).init();
     match Cli::parse().command.run() {

@@ -10,4 +10,5 @@ pub mod orientation;
 pub mod tone;
 pub mod tree;
 pub mod view;
+pub mod view_line;
 pub mod work;

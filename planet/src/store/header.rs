@@ -36,6 +36,13 @@ impl PlanetHeader {
         self.name.len() + self.recipe.len() + assets.sum::<usize>() + 64
     }
 
+    /// A name for its file that says which planet it is, and differs for every recipe and grid.
+    pub fn file_name(&self) -> String {
+        let plain = |c: char| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '-' };
+        let name: String = self.name.chars().map(plain).collect();
+        format!("{name}-{:08x}.planet", self.checksum())
+    }
+
     /// Checksum over all of it, and over what the builder takes as given.
     pub fn checksum(&self) -> u32 {
         header_checksum(self, crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE)

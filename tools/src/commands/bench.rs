@@ -9,6 +9,7 @@ mod savings;
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
 use super::paths::load_path;
+use super::planets::{planet_file, FILE, HELP};
 use super::stage_times::stage_times;
 use super::viewing::{check_tolerance, numbers, picture_size};
 use super::{pictures, Run};
@@ -34,7 +35,7 @@ use terrane_planet::store::slow::Delay;
 /// overshoots; altitudes by their logarithms, angles the short way.
 #[derive(clap::Args)]
 pub(crate) struct Bench {
-    /// Planet file.
+    #[arg(value_name = FILE, help = HELP)]
     file: PathBuf,
     /// Keyframes: a JSON file, or `descent`, `flyover`, `ground` or `plunge`, which come with the command.
     #[arg(long, value_name = "PATH.json|NAME", required_unless_present = "first_look")]
@@ -85,10 +86,12 @@ pub(crate) struct Bench {
 }
 
 impl Run for Bench {
-    fn run(self) -> anyhow::Result<Outcome> {
+    fn run(mut self) -> anyhow::Result<Outcome> {
         if let Some(out) = &self.json {
             check_output("--json", out, Output::File(&[]))?;
         }
+        let place = planet_file(Some(&self.file), None)?;
+        self.file = place.path().to_owned();
         if self.first_look {
             self.first_looks()?;
             return Ok(Outcome::Done);

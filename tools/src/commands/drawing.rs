@@ -9,6 +9,7 @@ use terrane::scene::{Scene, SceneError, SceneOptions, Scope};
 use terrane::vulkan::Context;
 use terrane_planet::draw::camera_path::CameraPath;
 use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
@@ -27,6 +28,23 @@ pub(crate) struct DrawOptions {
 }
 
 impl DrawOptions {
+    /// Takes from a view what was not given.
+    pub(crate) fn take(&mut self, line: &ViewLine) {
+        self.mesh.take(line);
+        self.patches.take(line);
+        self.look.take(line);
+        self.gpu.take(line);
+    }
+
+    /// Puts into a view what decides its picture; `usual` is the exposure that was not given.
+    pub(crate) fn note(&self, line: &mut ViewLine, usual: Exposure) {
+        line.no_geomorphs = !self.mesh.geomorphs();
+        line.orientation = self.mesh.orientation();
+        self.patches.note(line);
+        self.look.note(line, usual);
+        self.gpu.note(line);
+    }
+
     /// A context without a window, and a planet file as a scene on it, for single pictures.
     pub(crate) fn open(&self, file: &Path) -> anyhow::Result<(Arc<Context>, Scene)> {
         self.open_for(file, Scope::Still)

@@ -3,26 +3,38 @@
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
 use super::paths::load_path;
+use super::planets::{planet_file, FILE};
 use super::viewing::{report_messages, CameraOptions, Exposure};
+use super::views::{check_planet, given, note_planet, HELP as HELP_VIEW, VALUE};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, Context as _};
+use arboard::Clipboard;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use terrane::app::{fly, FlyFrame, FlyOptions, Scale, HELP};
+use terrane::app::{fly, CopyView, FlyFrame, FlyOptions, Scale, HELP};
+use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
+
+/// The planet unless told otherwise.
+const USUAL: &str = "terra";
 
 /// How long the viewer stands at the end of a path whose frames are reported.
 const STANDS: Duration = Duration::from_secs(5);
 
 /// Fly over a planet in a window.
+///
+/// A recipe needs no bake: its patches are built as they are seen, and kept in a file in the user's cache folder.
 #[derive(clap::Args)]
 #[command(after_help = format!("Keys and mouse:\n{HELP}"))]
 pub(crate) struct Fly {
-    /// Planet file.
-    file: PathBuf,
+    /// Planet file; or a recipe: a TOML file, or the name of one that comes with the command [default: that of --view, or terra].
+    #[arg(value_name = FILE)]
+    file: Option<PathBuf>,
+    #[arg(long, value_name = VALUE, value_parser = given, help = HELP_VIEW)]
+    view: Option<ViewLine>,
     #[command(flatten)]
     camera: CameraOptions,
     /// Pixels drawn along a side for each of the window's: always so many, or, with `auto`, as many as keep to `--frame-ms` while the
@@ -69,14 +81,25 @@ fn positive(text: &str) -> anyhow::Result<f64> {
 }
 
 impl Run for Fly {
-    fn run(self) -> anyhow::Result<Outcome> {
+    fn run(mut self) -> anyhow::Result<Outcome> {
+        if let Some(line) = &self.view {
+            self.camera.take(line);
+            self.draw.take(line);
+        }
         check_output("--screenshots", &self.screenshots, Output::Folder)?;
-        let planet = Planet::from_header(PlanetFile::open(&self.file)?.header())?;
+        let seen = self.view.as_ref().filter(|line| line.planet.is_some());
+        let given = self.file.as_deref().or(if seen.is_none() { Some(Path::new(USUAL)) } else { None });
+        let place = planet_file(given, seen)?;
+        let planet = Planet::from_header(PlanetFile::open(place.path())?.header())?;
+        self.view.iter().for_each(|line| check_planet(line, &planet));
         let camera = self.camera.camera(&planet)?;
+        let mut view = self.camera.line(&planet)?;
+        note_planet(&mut view, &planet);
+        self.draw.note(&mut view, Exposure::Auto);
         let folder = self.screenshots;
         let path = self.path.as_deref().map(load_path).transpose()?;
         let (report, ended) = fly(FlyOptions {
-            file: self.file.clone(),
+            file: place.path().to_owned(),
             scale: self.scale.0.map(Scale::Fixed).or(self.frame_ms.map(Scale::Within)),
             most_fps: self.max_fps,
             path,
@@ -85,10 +108,14 @@ impl Run for Fly {
             camera,
             scene: self.draw.patches.options()?,
             look: self.draw.look.look(&planet.recipe, self.camera.site(), Exposure::Auto),
-            tolerance: self.camera.error,
+            tolerance: self.camera.error(),
             geomorphs: self.draw.mesh.geomorphs(),
             orientation: self.draw.mesh.orientation(),
-            save: Box::new(move |size, pixels| save(&folder, size, pixels).map_err(|error| format!("not saved: {error:#}"))),
+            view,
+            save: Box::new(move |size, pixels, view| {
+                save(&folder, size, pixels, view).map_err(|error| format!("not saved: {error:#}"))
+            }),
+            copy: clipboard(),
         });
         let reported = report_messages(&report.messages);
         ended?;
@@ -113,10 +140,28 @@ fn write_frames(out: &Path, frames: &[FlyFrame]) -> anyhow::Result<()> {
     pictures::write_whole(out, text.as_bytes()).with_context(|| format!("cannot write the frames {}", out.display()))
 }
 
+/// Prints views, and puts them into the clipboard where there is one. That keeps them until the window is closed, or a clipboard manager
+/// beyond that.
+fn clipboard() -> CopyView {
+    let mut opened = None;
+    Box::new(move |view| {
+        let text = view.to_string();
+        println!("{text}");
+        if opened.is_none() {
+            opened = Clipboard::new().inspect_err(|error| tracing::info!(%error, "no clipboard")).ok();
+        }
+        match opened.as_mut().map(|clipboard| clipboard.set_text(text)) {
+            Some(Ok(())) => "the view is in the clipboard, and in the terminal".to_owned(),
+            Some(Err(error)) => format!("the view is in the terminal; the clipboard refused it: {error}"),
+            None => "the view is in the terminal; there is no clipboard".to_owned(),
+        }
+    })
+}
+
 /// Saves a picture under the first number that is free.
-fn save(folder: &Path, size: [u32; 2], pixels: &[u8]) -> anyhow::Result<String> {
+fn save(folder: &Path, size: [u32; 2], pixels: &[u8], view: &ViewLine) -> anyhow::Result<String> {
     let mut paths = (1u32..).map(|number| folder.join(format!("terrane-{number}.png")));
     let path = paths.find(|path| !path.exists()).unwrap_or_else(|| folder.join("terrane.png"));
-    pictures::write_png(&path, size, pixels)?;
+    pictures::write_png(&path, size, pixels, Some(view))?;
     Ok(format!("saved {}", path.display()))
 }

@@ -67,13 +67,13 @@ impl Point {
 
 impl Run for Growth {
     fn run(self) -> anyhow::Result<Outcome> {
-        check_tolerance(self.camera.error)?;
+        check_tolerance(self.camera.error())?;
         let least = TOLERANCE_RANGE.0;
         ensure!(
-            (least..self.camera.error).contains(&self.finest),
+            (least..self.camera.error()).contains(&self.finest),
             "--finest: {} is not within {least} and less than --error, {}",
             self.finest,
-            self.camera.error
+            self.camera.error()
         );
         if let Some(out) = &self.plot {
             check_output("--plot", out, Output::File(&[]))?;
@@ -86,7 +86,7 @@ impl Run for Growth {
         let mut points = Vec::new();
         for step in 0..self.steps {
             let along = f64::from(step) / f64::from(self.steps - 1);
-            let tolerance = (self.camera.error.ln() * (1.0 - along) + self.finest.ln() * along).exp();
+            let tolerance = (self.camera.error().ln() * (1.0 - along) + self.finest.ln() * along).exp();
             let view = self.draw.view(camera, scene.planet(), tolerance);
             let costs = (0..self.repeats).map(|_| measure_frame(&mut scene, &mut headless, &view, &look));
             points.push(point(tolerance, &costs.collect::<Result<Vec<_>, _>>()?)?);

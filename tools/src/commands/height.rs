@@ -1,5 +1,6 @@
 //! `terrane height`: the ground at a site.
 
+use super::planets::CELLS;
 use super::viewing::numbers;
 use super::Run;
 use crate::Outcome;
@@ -15,9 +16,6 @@ use terrane_planet::store::{is_planet_file, PlanetFile};
 
 /// Metres to the points on each side from which a normal follows.
 const SPACING_M: f64 = 1.0;
-
-/// Cells along a patch side of a recipe's planet, as `terrane bake` has them.
-const CELLS: u32 = 64;
 
 /// Print the height of the ground at a site, its normal, and how finely the file knows it. Needs no GPU.
 ///

@@ -2,7 +2,9 @@
 
 use super::exporting::{write_sidecar, ExportOptions};
 use super::output::{check_output, Output};
+use super::planets::{built_planet_file, FILE, WITH_VIEW};
 use super::viewing::CameraOptions;
+use super::views::{check_planet, given, HELP, VALUE};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
@@ -11,6 +13,7 @@ use serde_json::json;
 use std::path::PathBuf;
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::view::View;
+use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::export::{origin_near, view_surface, Format, Placed, EXTENSIONS};
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
@@ -26,13 +29,17 @@ enum Centre {
 
 /// Write the mesh of a view, exactly the triangles that would be drawn. Needs no GPU.
 ///
+/// Patches are those of the planet file. Of a recipe it holds two levels, and what was built in pictures and flights.
+///
 /// OBJ, PLY and 3MF hold planet-fixed metres without any rounding (+Z north, +X longitude 0; see --up). GLB and STL hold single precision,
 /// GLB in glTF's axes: planet (x, y, z) becomes (x, z, -y). Its positions count from a lattice point next to the camera, which the node's
 /// translation and extras hold exactly; they are off by at most a 2^-25th of their size: 0.03 mm at 1 km from the camera.
 #[derive(clap::Args)]
 pub(crate) struct Mesh {
-    /// Planet file.
-    file: PathBuf,
+    #[arg(value_name = FILE, help = WITH_VIEW)]
+    file: Option<PathBuf>,
+    #[arg(long, value_name = VALUE, value_parser = given, help = HELP)]
+    view: Option<ViewLine>,
     #[command(flatten)]
     camera: CameraOptions,
     /// Keep what the camera does not see: one closed surface around the planet.
@@ -51,15 +58,20 @@ pub(crate) struct Mesh {
 }
 
 impl Run for Mesh {
-    fn run(self) -> anyhow::Result<Outcome> {
+    fn run(mut self) -> anyhow::Result<Outcome> {
         let format = Format::of(&self.out)?;
         self.export.check(format)?;
         check_output("--out", &self.out, Output::File(&[]))?;
-        self.export.check_sidecar(&self.out, std::slice::from_ref(&self.file))?;
-        let file = PlanetFile::open(&self.file)?;
+        let place = built_planet_file(self.file.as_deref(), self.view.as_ref())?;
+        self.export.check_sidecar(&self.out, &[place.path().to_owned()])?;
+        let file = PlanetFile::open(place.path())?;
         let planet = Planet::from_header(file.header())?;
+        if let Some(line) = &self.view {
+            check_planet(line, &planet);
+            self.camera.take(line);
+        }
         let tree = planet.tree(file.index()?.iter().filter(|r| r.has_mesh()).map(|r| (r.id, r.facts)));
-        let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error);
+        let view = View::new(self.camera.camera(&planet)?, &planet.lattice, planet.cells, self.camera.error());
         let surface = view_surface(&tree, &view, self.whole, |id| file.mesh(id).map(|m| LoadedPatch::new(m, &planet.lattice)))?;
         let origin = match (self.centre, format) {
             (Some(Centre::View), _) | (None, Format::Glb | Format::Stl) => origin_near(view.gpu.anchor),

@@ -20,6 +20,7 @@ mod output;
 mod packing;
 mod paths;
 mod pictures;
+mod planets;
 mod radiance;
 mod raster;
 mod recipes;
@@ -31,6 +32,7 @@ mod still;
 mod study;
 mod verify;
 mod viewing;
+mod views;
 
 use crate::Outcome;
 

@@ -4,8 +4,10 @@ use super::building::{stop_on_signals, Report};
 use super::drawing::DrawOptions;
 use super::film::{container, Film};
 use super::paths::load_path;
+use super::planets::{planet_file, FILE, WITH_VIEW};
 use super::still::StillArguments;
 use super::viewing::{check_tolerance, picture_size};
+use super::views::{check_planet, given, VALUE};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, ensure, Context as _};
@@ -15,6 +17,11 @@ use std::sync::atomic::Ordering;
 use std::time::Instant;
 use terrane::stills::{PixelFormat, Studio};
 use terrane_planet::draw::camera_path::CameraPath;
+use terrane_planet::draw::view_line::ViewLine;
+
+/// Picture size and tolerance in pixels unless told otherwise.
+const DEFAULT_SIZE: [u32; 2] = [1920, 1080];
+const DEFAULT_ERROR: f64 = 1.0;
 
 /// What the pictures in a folder were recorded with.
 const NOTES: &str = "record.json";
@@ -29,8 +36,8 @@ const MOST_FRAMES: f64 = 999_999.0;
 /// ffmpeg, which must be installed, and starts anew each time.
 #[derive(clap::Args)]
 pub(crate) struct Record {
-    /// Planet file.
-    file: PathBuf,
+    #[arg(value_name = FILE, help = WITH_VIEW)]
+    file: Option<PathBuf>,
     /// Keyframes: a JSON file, or `descent`, `flyover`, `ground` or `plunge`, which come with the command.
     #[arg(long, value_name = "PATH.json|NAME")]
     path: PathBuf,
@@ -40,12 +47,17 @@ pub(crate) struct Record {
     /// Folder for 000001.png, 000002.png and so on; or a film, x.mp4 (H.264) or x.webm (VP9).
     #[arg(long, value_name = "FOLDER|x.mp4|x.webm")]
     out: PathBuf,
-    /// Picture size in pixels, sides from 16 to 16384; even for films.
-    #[arg(long, value_name = "WxH", default_value = "1920x1080", value_parser = picture_size)]
-    size: [u32; 2],
-    /// Largest error of the mesh in pixels, 0.05 to 64.
-    #[arg(long, value_name = "PX", default_value_t = 1.0)]
-    error: f64,
+    /// Take size, tolerance, light and look from a view; from where it is seen the path says.
+    ///
+    /// A view is text such as terrane:1/at=46,8/altitude=900/sun=90,10, or a PNG that terrane drew. Options beside it go first.
+    #[arg(long, value_name = VALUE, value_parser = given)]
+    view: Option<ViewLine>,
+    /// Picture size in pixels, sides from 16 to 16384; even for films [default: 1920x1080].
+    #[arg(long, value_name = "WxH", value_parser = picture_size)]
+    size: Option<[u32; 2]>,
+    /// Largest error of the mesh in pixels, 0.05 to 64 [default: 1].
+    #[arg(long, value_name = "PX")]
+    error: Option<f64>,
     #[command(flatten)]
     still: StillArguments,
     #[command(flatten)]
@@ -65,9 +77,16 @@ struct Tally {
 }
 
 impl Run for Record {
-    fn run(self) -> anyhow::Result<Outcome> {
+    fn run(mut self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
-        check_tolerance(self.error)?;
+        if let Some(line) = &self.view {
+            self.size = self.size.or(line.size);
+            self.error = self.error.or(line.error);
+            self.still.take(line);
+            self.draw.take(line);
+        }
+        let (size, error) = (self.size(), self.error());
+        check_tolerance(error)?;
         ensure!((0.1..=240.0).contains(&self.fps), "--fps: {} is not within 0.1 and 240 frames a second", self.fps);
         let path = load_path(&self.path)?;
         let (first, last) = path.span();
@@ -75,10 +94,12 @@ impl Run for Record {
         ensure!(frames <= MOST_FRAMES, "--fps: {frames} frames, expected at most {MOST_FRAMES}; choose fewer a second");
         let stop = stop_on_signals()?;
         let mut film = self.film(&path)?;
-        let (context, mut scene) = self.draw.open(&self.file)?;
+        let place = planet_file(self.file.as_deref(), self.view.as_ref())?;
+        let (context, mut scene) = self.draw.open(place.path())?;
+        self.view.iter().for_each(|line| check_planet(line, scene.planet()));
         let look = self.draw.look_along(&scene.planet().recipe, &path);
         scene.set_sun(look.sun);
-        let mut studio = Studio::new(&context, self.size, self.still.options(PixelFormat::Eight))?;
+        let mut studio = Studio::new(&context, size, self.still.options(PixelFormat::Eight))?;
         let report = Report::counting(&self.out.display().to_string(), "frames");
         let mut tally = Tally { frames: frames as usize, ..Tally::default() };
         for number in 1..=tally.frames {
@@ -91,7 +112,7 @@ impl Run for Record {
             } else {
                 let keyframe = path.at(first + (number - 1) as f64 / self.fps);
                 let planet = scene.planet();
-                let view = self.draw.view(planet.camera_at(&keyframe, self.size), planet, self.error);
+                let view = self.draw.view(planet.camera_at(&keyframe, size), planet, error);
                 let cut = scene.settle(&view)?;
                 film.add(number, &studio.draw(&scene, &view, &cut, &look, &|_, _| ())?)?;
                 tally.drawn += 1;
@@ -107,11 +128,19 @@ impl Run for Record {
 }
 
 impl Record {
+    fn size(&self) -> [u32; 2] {
+        self.size.unwrap_or(DEFAULT_SIZE)
+    }
+
+    fn error(&self) -> f64 {
+        self.error.unwrap_or(DEFAULT_ERROR)
+    }
+
     /// Where the frames go. Fails before anything is drawn if they cannot.
     fn film(&self, path: &CameraPath) -> anyhow::Result<Film> {
         if container(&self.out).is_some() {
             ensure!(!self.still.transparent_sky, "--transparent-sky: films have no alpha; record a folder of pictures");
-            return Film::encoder(&self.out, self.size, self.fps);
+            return Film::encoder(&self.out, self.size(), self.fps);
         }
         if let Some(extension) = self.out.extension() {
             let named = extension.to_string_lossy();
@@ -124,9 +153,10 @@ impl Record {
 
     /// Refuses to go on with pictures that were recorded otherwise.
     fn check_notes(&self, notes: &Path, path: &CameraPath) -> anyhow::Result<()> {
+        let seen = self.view.as_ref().and_then(|line| line.planet.as_ref());
         let ours = json!({
-            "planet": self.file, "path": format!("{path:?}"), "fps": self.fps, "size": self.size, "tolerance_px": self.error,
-            "still": format!("{:?}", self.still), "mesh": format!("{:?}", self.draw.mesh), "look": format!("{:?}", self.draw.look),
+            "planet": self.file.as_deref().or(seen.map(Path::new)), "path": format!("{path:?}"), "fps": self.fps, "size": self.size(), "tolerance_px": self.error(),
+            "still": format!("{:?}", self.still.options(PixelFormat::Eight)), "mesh": format!("{:?}", self.draw.mesh), "look": format!("{:?}", self.draw.look),
         });
         if !notes.exists() {
             let text = serde_json::to_string_pretty(&ours)? + "\n";
@@ -151,7 +181,7 @@ impl Record {
         if self.json {
             let summary = json!({
                 "out": self.out, "frames": frames, "drawn": drawn, "kept": kept, "interrupted": interrupted, "fps": self.fps,
-                "size": self.size, "ssaa": self.still.ssaa, "seconds": seconds, "device": device,
+                "size": self.size(), "ssaa": self.still.ssaa(), "seconds": seconds, "device": device,
             });
             println!("{summary}");
             return;

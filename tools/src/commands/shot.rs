@@ -3,10 +3,12 @@
 use super::building::Report;
 use super::drawing::{first_picture, DrawOptions};
 use super::output::{check_output, Output};
+use super::planets::{planet_file, FILE, WITH_VIEW};
 use super::radiance::{write_exr, Taken};
 use super::stage_times::stage_times;
 use super::still::{format_of, StillArguments};
 use super::viewing::{CameraOptions, Exposure};
+use super::views::{check_planet, given, note_planet, HELP, VALUE};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
@@ -17,14 +19,18 @@ use terrane::frame::PerStage;
 use terrane::scene::Scene;
 use terrane::stills::{PixelFormat, Still, Studio};
 use terrane::vulkan::GpuInfo;
+use terrane_planet::draw::view_line::ViewLine;
+use terrane_planet::planet::Planet;
 
 /// Render one picture of a planet without a window.
 ///
 /// Pictures may be larger than the device's images: they are drawn by tiles of one mesh, selected for the whole picture.
 #[derive(clap::Args)]
 pub(crate) struct Shot {
-    /// Planet file.
-    file: PathBuf,
+    #[arg(value_name = FILE, help = WITH_VIEW)]
+    file: Option<PathBuf>,
+    #[arg(long, value_name = VALUE, value_parser = given, help = HELP)]
+    view: Option<ViewLine>,
     #[command(flatten)]
     camera: CameraOptions,
     #[command(flatten)]
@@ -33,8 +39,8 @@ pub(crate) struct Shot {
     still: StillArguments,
     /// Bits a channel of a PNG, 8 or 16.
     #[arg(long, value_name = "BITS")]
-    depth: Option<u8>,
-    /// Picture to write: a .png, encoded for displays; or an .exr, which holds radiance in linear light before exposure as half floats,
+    depth: Option<u32>,
+    /// Picture to write: a .png, encoded for displays, with its view as text, which --view takes; or an .exr, which holds radiance in linear light before exposure as half floats,
     /// with exposure, tone curve, camera and sun in its header.
     #[arg(long, value_name = "x.png|x.exr")]
     out: PathBuf,
@@ -44,13 +50,21 @@ pub(crate) struct Shot {
 }
 
 impl Run for Shot {
-    fn run(self) -> anyhow::Result<Outcome> {
+    fn run(mut self) -> anyhow::Result<Outcome> {
         let begun = Instant::now();
+        if let Some(line) = &self.view {
+            self.camera.take(line);
+            self.draw.take(line);
+            self.still.take(line);
+            self.depth = self.depth.or(line.depth);
+        }
         let format = format_of(&self.out, self.depth)?;
         check_output("--out", &self.out, Output::File(&["png", "exr"]))?;
-        let (context, mut scene) = self.draw.open(&self.file)?;
+        let place = planet_file(self.file.as_deref(), self.view.as_ref())?;
+        let (context, mut scene) = self.draw.open(place.path())?;
+        self.view.iter().for_each(|line| check_planet(line, scene.planet()));
         let camera = self.camera.camera(scene.planet())?;
-        let view = self.draw.view(camera, scene.planet(), self.camera.error);
+        let view = self.draw.view(camera, scene.planet(), self.camera.error());
         let look = self.draw.look.look(&scene.planet().recipe, self.camera.site(), Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
         first_picture(&mut scene, &view)?;
@@ -59,6 +73,7 @@ impl Run for Shot {
         let cut = scene.settle_showing(&view, &mut |there, pending| waiting.step(there, there + pending, begun.elapsed()))?;
         waiting.finish();
         let mut studio = Studio::new(&context, camera.size, self.still.options(format))?;
+        studio.set_time(self.camera.time());
         let settled = Instant::now();
         let report = Report::counting("picture", "tiles");
         let show = |done, tiles| {
@@ -70,11 +85,12 @@ impl Run for Shot {
         report.finish();
         let frame_ms = settled.elapsed().as_secs_f64() * 1e3;
         let recipe = &scene.planet().recipe;
-        self.write(&still, &Taken { planet: &recipe.name, radius: recipe.radius, camera: &camera, sun: look.sun })
+        let line = self.line(scene.planet(), format)?;
+        self.write(&still, &line, &Taken { planet: &recipe.name, radius: recipe.radius, camera: &camera, sun: look.sun })
             .with_context(|| format!("cannot write the picture {}", self.out.display()))?;
         let ready_ms = settled.duration_since(begun).as_secs_f64() * 1e3;
         if self.json {
-            println!("{}", self.summary(&still, context.device_info(), &Times { first_ms, ready_ms, frame_ms }, &scene));
+            println!("{}", self.summary(&still, &line, context.device_info(), &Times { first_ms, ready_ms, frame_ms }, &scene));
         } else {
             println!(
                 "{}: {} patches ({} of {} on the GPU built), {} awake vertices, {} triangles, {frame_ms:.0} ms; \
@@ -101,18 +117,28 @@ struct Times {
 }
 
 impl Shot {
-    fn write(&self, still: &Still, taken: &Taken) -> anyhow::Result<()> {
+    /// What decides the picture.
+    fn line(&self, planet: &Planet, format: PixelFormat) -> anyhow::Result<ViewLine> {
+        let mut line = self.camera.line(planet)?;
+        note_planet(&mut line, planet);
+        self.draw.note(&mut line, Exposure::Fixed(1.0));
+        self.still.note(&mut line);
+        line.depth = (format == PixelFormat::Sixteen).then_some(16);
+        Ok(line)
+    }
+
+    fn write(&self, still: &Still, line: &ViewLine, taken: &Taken) -> anyhow::Result<()> {
         match format_of(&self.out, self.depth)? {
             PixelFormat::Radiance => write_exr(&self.out, still, taken),
-            PixelFormat::Eight | PixelFormat::Sixteen => pictures::write_still(&self.out, still),
+            PixelFormat::Eight | PixelFormat::Sixteen => pictures::write_still_of(&self.out, still, line),
         }
     }
 
-    fn summary(&self, still: &Still, gpu: &GpuInfo, times: &Times, scene: &Scene) -> serde_json::Value {
+    fn summary(&self, still: &Still, line: &ViewLine, gpu: &GpuInfo, times: &Times, scene: &Scene) -> serde_json::Value {
         let report = &still.report;
         let Times { first_ms, ready_ms, frame_ms } = times;
         json!({
-            "picture": self.out, "size": still.size, "tiles": still.tiles, "ssaa": self.still.ssaa, "exposure": still.exposure,
+            "picture": self.out, "view": line.to_string(), "size": still.size, "tiles": still.tiles, "ssaa": self.still.ssaa(), "exposure": still.exposure,
             "tone": still.curve.tone.name(), "white": still.curve.white,
             "device": gpu.name, "driver": gpu.driver, "driver_info": gpu.driver_info,
             "patches": report.tables.patches.len(), "awake_vertices": report.counters.awake,

@@ -34,7 +34,7 @@ impl Run for Study {
         let canvas = sheet::draw(&field, &all);
         let size = canvas.size.map(|s| s as u32);
         let cannot = |path: &PathBuf| format!("cannot write {}", path.display());
-        pictures::write_png(&meshes, size, &canvas.into_rgba()).with_context(|| cannot(&meshes))?;
+        pictures::write_png(&meshes, size, &canvas.into_rgba(), None).with_context(|| cannot(&meshes))?;
         pictures::write_whole(&errors, plot::draw(&all).as_bytes()).with_context(|| cannot(&errors))?;
         if self.json {
             println!("{}", json!({ "samples": [SIDE, SIDE], "meshes": meshes, "errors": errors, "table": table(&all) }));

@@ -1,5 +1,6 @@
 //! `terrane verify`: random views of a planet on the GPU, against the CPU and the invariants; and their screen error, with rays.
 
+use super::planets::{built_planet_file, planet_file, FILE, HELP};
 use super::viewing::{check_tolerance, GpuOptions, MeshOptions, PatchOptions};
 use super::Run;
 use crate::Outcome;
@@ -31,7 +32,7 @@ const NEAR_GROUND_BYTES: u64 = 4 << 30;
 /// than they must and for cuts with patches missing.
 #[derive(clap::Args)]
 pub(crate) struct Verify {
-    /// Planet file.
+    #[arg(value_name = FILE, help = HELP)]
     file: PathBuf,
     /// Number of views.
     #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(1..=1_000_000))]
@@ -66,9 +67,13 @@ impl Run for Verify {
         let begun = Instant::now();
         self.error.iter().try_for_each(|&error| check_tolerance(error))?;
         let context = self.gpu.context()?;
-        let mut scene = Scene::open(&context, &self.file, self.scene_options()?)?;
+        let place = match self.ground {
+            Some(_) => planet_file(Some(&self.file), None)?,
+            None => built_planet_file(Some(&self.file), None)?,
+        };
+        let mut scene = Scene::open(&context, place.path(), self.scene_options()?)?;
         let mut headless = Headless::new(&context, SIZE)?;
-        let mut verifier = Verifier::new(&self.file, &scene)?;
+        let mut verifier = Verifier::new(place.path(), &scene)?;
         let count = self.views as usize;
         let views = match self.ground {
             None => random_views(&scene, self.seed, count, &self.error),

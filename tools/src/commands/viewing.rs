@@ -1,6 +1,7 @@
 //! Options that the rendering commands share: which GPU, where the camera is, how the picture looks.
 
 use anyhow::{bail, ensure, Context as _};
+use clap::ValueEnum as _;
 use glam::DVec3;
 use jiff::Timestamp;
 use std::sync::Arc;
@@ -10,6 +11,8 @@ use terrane::vulkan::{Context, ContextOptions, GpuChoice, ValidationMessage};
 use terrane_planet::draw::camera_path::Keyframe;
 use terrane_planet::draw::layout::{Mode, Tone};
 use terrane_planet::draw::view::{Camera, View, TOLERANCE_RANGE};
+pub(crate) use terrane_planet::draw::view_line::Exposure;
+use terrane_planet::draw::view_line::{Daylight, Stand, ViewLine};
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::globe::sun;
 use terrane_planet::planet::Planet;
@@ -23,6 +26,14 @@ const DEFAULT_SITE: [f64; 2] = [20.0, 0.0];
 
 /// Its altitude then, in planet radii above ground or sea: the planet fills most of the picture.
 const DEFAULT_ALTITUDE_RADII: f64 = 1.9;
+
+/// Its field of view in degrees, its picture's size and its tolerance in pixels, unless told otherwise.
+const DEFAULT_FOV: f64 = 50.0;
+const DEFAULT_SIZE: [u32; 2] = [1280, 720];
+const DEFAULT_ERROR: f64 = 1.0;
+
+/// Metres between samples to which patches are built unless told otherwise.
+const DEFAULT_SPACING: f64 = 1.0;
 
 /// Where the sun stands over the site in view unless told otherwise: azimuth and elevation in degrees.
 const DEFAULT_SUN: [f64; 2] = [135.0, 35.0];
@@ -57,6 +68,16 @@ fn samples(text: &str) -> anyhow::Result<u32> {
 }
 
 impl GpuOptions {
+    /// Takes from a view what was not given.
+    pub(crate) fn take(&mut self, line: &ViewLine) {
+        self.msaa = self.msaa.or(line.msaa);
+    }
+
+    /// Puts into a view what was given.
+    pub(crate) fn note(&self, line: &mut ViewLine) {
+        line.msaa = self.msaa;
+    }
+
     /// What to create a context with.
     pub(crate) fn options(&self) -> ContextOptions {
         let gpu = match &self.gpu {
@@ -95,18 +116,76 @@ pub(crate) struct CameraOptions {
     /// Degrees clockwise from north, and degrees above the horizontal; by default towards the horizon, or down from afar.
     #[arg(long, value_name = "HEADING,PITCH", value_parser = numbers::<2>, allow_hyphen_values = true)]
     look: Option<[f64; 2]>,
-    /// Vertical field of view in degrees.
-    #[arg(long, value_name = "DEG", default_value_t = 50.0)]
-    fov: f64,
-    /// Picture size in pixels.
-    #[arg(long, value_name = "WxH", default_value = "1280x720", value_parser = picture_size)]
-    size: [u32; 2],
-    /// Largest error of the mesh in pixels.
-    #[arg(long, value_name = "PX", default_value_t = 1.0)]
-    pub(crate) error: f64,
+    /// Vertical field of view in degrees [default: 50].
+    #[arg(long, value_name = "DEG")]
+    fov: Option<f64>,
+    /// Picture size in pixels [default: 1280x720].
+    #[arg(long, value_name = "WxH", value_parser = picture_size)]
+    size: Option<[u32; 2]>,
+    /// Largest error of the mesh in pixels [default: 1].
+    #[arg(long, value_name = "PX")]
+    error: Option<f64>,
+    /// Seconds that the waves of the sea have run [default: 0].
+    #[arg(long, value_name = "SECONDS", value_parser = wave_time)]
+    time: Option<f64>,
+    /// Whether the third number of `at` is metres above the datum, as a view can have it.
+    #[arg(skip)]
+    above_datum: bool,
+}
+
+fn wave_time(text: &str) -> anyhow::Result<f64> {
+    match text.parse::<f64>() {
+        Ok(seconds) if (0.0..=1e9).contains(&seconds) => Ok(seconds),
+        _ => bail!("'{text}' is not a number of seconds from 0 to 1e9"),
+    }
 }
 
 impl CameraOptions {
+    /// Takes from a view what was not given.
+    pub(crate) fn take(&mut self, line: &ViewLine) {
+        if self.at.is_none() {
+            let ([latitude, longitude], stand) = (line.at, line.stand);
+            self.above_datum = matches!(stand, Stand::Height(_));
+            let (Stand::Altitude(metres) | Stand::Height(metres)) = stand;
+            self.at = Some([latitude, longitude, metres]);
+        }
+        self.look = self.look.or(line.look);
+        self.fov = self.fov.or(line.fov);
+        self.size = self.size.or(line.size);
+        self.error = self.error.or(line.error);
+        self.time = self.time.or(line.time);
+    }
+
+    /// The view of this camera, everything else as usual.
+    pub(crate) fn line(&self, planet: &Planet) -> anyhow::Result<ViewLine> {
+        let keyframe = self.keyframe(planet)?;
+        let stand = match self.at {
+            Some([_, _, height]) if self.above_datum => Stand::Height(height),
+            _ => Stand::Altitude(keyframe.altitude_m),
+        };
+        let mut line = ViewLine::from_site([keyframe.latitude, keyframe.longitude], stand);
+        line.look = Some([keyframe.heading, keyframe.pitch]);
+        line.fov = Some(keyframe.fov);
+        line.size = Some(self.size());
+        line.error = Some(self.error());
+        line.time = self.time.filter(|seconds| *seconds > 0.0);
+        Ok(line)
+    }
+
+    /// Largest error of the mesh in pixels.
+    pub(crate) fn error(&self) -> f64 {
+        self.error.unwrap_or(DEFAULT_ERROR)
+    }
+
+    /// Seconds that waves have run.
+    pub(crate) fn time(&self) -> f64 {
+        self.time.unwrap_or(0.0)
+    }
+
+    fn size(&self) -> [u32; 2] {
+        self.size.unwrap_or(DEFAULT_SIZE)
+    }
+
     /// Unit vector to the site under the camera.
     pub(crate) fn site(&self) -> DVec3 {
         let [latitude, longitude, _] = self.at.unwrap_or([DEFAULT_SITE[0], DEFAULT_SITE[1], 0.0]);
@@ -115,10 +194,24 @@ impl CameraOptions {
 
     /// The camera over a planet.
     pub(crate) fn camera(&self, planet: &Planet) -> anyhow::Result<Camera> {
+        check_tolerance(self.error())?;
+        Ok(planet.camera_at(&self.keyframe(planet)?, self.size()))
+    }
+
+    fn keyframe(&self, planet: &Planet) -> anyhow::Result<Keyframe> {
         let [latitude, longitude] = DEFAULT_SITE;
-        let at = self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE_RADII * planet.recipe.radius]);
-        check_tolerance(self.error)?;
-        Ok(planet.camera_at(&keyframe_at(at, self.look, self.fov, planet)?, self.size))
+        let mut at = self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE_RADII * planet.recipe.radius]);
+        if self.above_datum {
+            let surface = planet.surface_height(self.site());
+            let height = at[2];
+            at[2] -= surface;
+            ensure!(
+                at[2] >= 0.5,
+                "the view's height is {height} m, expected {:.1} m or more: ground or sea there, and half a metre",
+                surface + 0.5
+            );
+        }
+        keyframe_at(at, self.look, self.fov.unwrap_or(DEFAULT_FOV), planet)
     }
 }
 
@@ -165,6 +258,12 @@ pub(crate) struct MeshOptions {
 }
 
 impl MeshOptions {
+    /// Takes from a view what was not given.
+    pub(crate) fn take(&mut self, line: &ViewLine) {
+        self.no_geomorphs |= line.no_geomorphs;
+        self.orientation |= line.orientation;
+    }
+
     /// Whether vertices slide into their positions.
     pub(crate) fn geomorphs(self) -> bool {
         !self.no_geomorphs
@@ -198,9 +297,9 @@ pub(crate) struct PatchOptions {
     /// Draw only patches that the planet file holds; others are built when they are wanted.
     #[arg(long)]
     stored_only: bool,
-    /// Build patches until their samples are this far apart.
-    #[arg(long, value_name = "METRES", default_value_t = 1.0)]
-    spacing: f64,
+    /// Build patches until their samples are this far apart [default: 1].
+    #[arg(long, value_name = "METRES")]
+    spacing: Option<f64>,
     /// Most megabytes of built patches to keep in the planet file for another time, or in the user's cache folder if it cannot be
     /// written; 0 keeps none.
     #[arg(long, value_name = "MB", default_value_t = CACHE_MB)]
@@ -217,16 +316,29 @@ pub(crate) struct PatchOptions {
 impl PatchOptions {
     /// Those of a command that builds patches down to a spacing in metres, and asks for nothing else.
     pub(crate) fn to_spacing(spacing: f64) -> PatchOptions {
-        PatchOptions { stored_only: false, spacing, cache: CACHE_MB, gpu_memory: GPU_MB, host_memory: HOST_MB }
+        PatchOptions { stored_only: false, spacing: Some(spacing), cache: CACHE_MB, gpu_memory: GPU_MB, host_memory: HOST_MB }
+    }
+
+    /// Takes from a view what was not given.
+    pub(crate) fn take(&mut self, line: &ViewLine) {
+        self.spacing = self.spacing.or(line.spacing);
+        self.stored_only |= line.stored_only;
+    }
+
+    /// Puts into a view what is not as usual.
+    pub(crate) fn note(&self, line: &mut ViewLine) {
+        line.spacing = self.spacing.filter(|spacing| *spacing != DEFAULT_SPACING);
+        line.stored_only = self.stored_only;
     }
 
     /// What to open a scene with.
     pub(crate) fn options(&self) -> anyhow::Result<SceneOptions> {
-        ensure!((0.01..=1e9).contains(&self.spacing), "--spacing: {} is not within 0.01 and 1e9 metres", self.spacing);
+        let spacing_m = self.spacing.unwrap_or(DEFAULT_SPACING);
+        ensure!((0.01..=1e9).contains(&spacing_m), "--spacing: {spacing_m} is not within 0.01 and 1e9 metres");
         let bytes = |megabytes: u64| megabytes.saturating_mul(1_000_000);
         let side = directories::ProjectDirs::from("", "", "terrane").map(|folders| folders.cache_dir().to_owned());
         let cache = (self.cache > 0).then(|| CacheOptions { bytes: bytes(self.cache), side });
-        let on_demand = (!self.stored_only).then_some(OnDemand { spacing_m: self.spacing, cache });
+        let on_demand = (!self.stored_only).then_some(OnDemand { spacing_m, cache });
         let (gpu_bytes, host_bytes) = (bytes(self.gpu_memory), bytes(self.host_memory));
         Ok(SceneOptions { gpu_bytes, host_bytes, on_demand, ..SceneOptions::default() })
     }
@@ -243,6 +355,23 @@ enum ModeOption {
     Depth,
 }
 
+impl ModeOption {
+    fn mode(self) -> Mode {
+        match self {
+            ModeOption::Shaded => Mode::Shaded,
+            ModeOption::Wire => Mode::Wire,
+            ModeOption::Levels => Mode::Levels,
+            ModeOption::Normals => Mode::Normals,
+            ModeOption::Albedo => Mode::Albedo,
+            ModeOption::Depth => Mode::Depth,
+        }
+    }
+
+    fn of(mode: Mode) -> ModeOption {
+        ModeOption::value_variants().iter().copied().find(|option| option.mode() == mode).unwrap_or(ModeOption::Shaded)
+    }
+}
+
 /// The curve from light to the display.
 #[derive(clap::ValueEnum, Clone, Copy, Debug)]
 enum ToneOption {
@@ -250,43 +379,47 @@ enum ToneOption {
     Agx,
 }
 
+impl ToneOption {
+    fn tone(self) -> Tone {
+        match self {
+            ToneOption::Neutral => Tone::Neutral,
+            ToneOption::Agx => Tone::Agx,
+        }
+    }
+
+    fn of(tone: Tone) -> ToneOption {
+        ToneOption::value_variants().iter().copied().find(|option| option.tone() == tone).unwrap_or(ToneOption::Neutral)
+    }
+}
+
 /// How the picture looks.
 #[derive(clap::Args, Clone, Debug)]
 pub(crate) struct LookOptions {
-    /// What is drawn.
-    #[arg(long, value_enum, default_value = "shaded")]
-    mode: ModeOption,
+    /// What is drawn [default: shaded].
+    #[arg(long, value_enum)]
+    mode: Option<ModeOption>,
     /// Where the sun stands over the site below the camera: degrees clockwise from north, and above the horizon.
     #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = numbers::<2>, allow_hyphen_values = true)]
     sun: Option<[f64; 2]>,
     /// The sun by date and time, such as 2026-06-21T12:00Z: as over the Earth, with the axial tilt of the recipe.
     #[arg(long, value_name = "TIME", value_parser = seconds, conflicts_with = "sun")]
-    date: Option<f64>,
+    date: Option<i64>,
     /// Factor on the brightness of the picture, 1 being right for the light of sun and sky below the camera; or `auto`, by how bright
     /// the picture is too. The default is 1, and `auto` in a window.
     #[arg(long, value_name = "auto|VALUE", value_parser = exposure)]
     exposure: Option<Exposure>,
-    /// The curve from light to the display: `neutral`, or the filmic `agx`.
-    #[arg(long, value_enum, default_value = "neutral")]
-    tone: ToneOption,
+    /// The curve from light to the display: `neutral`, or the filmic `agx` [default: neutral].
+    #[arg(long, value_enum)]
+    tone: Option<ToneOption>,
     /// Leave the clouds out.
     #[arg(long)]
     clear_sky: bool,
 }
 
-/// How bright pictures are.
-#[derive(Clone, Copy, PartialEq, Debug)]
-pub(crate) enum Exposure {
-    /// By the picture's luminance too.
-    Auto,
-    /// A factor on what the light below the camera asks for.
-    Fixed(f32),
-}
-
 /// Seconds since 1970 of a time with its zone.
-fn seconds(text: &str) -> anyhow::Result<f64> {
+fn seconds(text: &str) -> anyhow::Result<i64> {
     let time: Timestamp = text.parse().with_context(|| format!("'{text}' is not a time such as 2026-06-21T12:00Z"))?;
-    Ok(time.as_second() as f64)
+    Ok(time.as_second())
 }
 
 fn exposure(text: &str) -> anyhow::Result<Exposure> {
@@ -298,27 +431,47 @@ fn exposure(text: &str) -> anyhow::Result<Exposure> {
 }
 
 impl LookOptions {
+    /// Takes from a view what was not given.
+    pub(crate) fn take(&mut self, line: &ViewLine) {
+        match line.daylight {
+            Some(Daylight::Over(sun)) if self.date.is_none() => self.sun = self.sun.or(Some(sun)),
+            Some(Daylight::Date(date)) if self.sun.is_none() => self.date = self.date.or(Some(date)),
+            _ => {}
+        }
+        self.exposure = self.exposure.or(line.exposure);
+        self.mode = self.mode.or(line.mode.map(ModeOption::of));
+        self.tone = self.tone.or(line.tone.map(ToneOption::of));
+        self.clear_sky |= line.clear_sky;
+    }
+
+    /// Puts into a view how the picture looks; what is as usual only where it may not be usual elsewhere.
+    pub(crate) fn note(&self, line: &mut ViewLine, usual: Exposure) {
+        let sun = Daylight::Over(self.sun.unwrap_or(DEFAULT_SUN));
+        line.daylight = Some(self.date.map_or(sun, Daylight::Date));
+        line.exposure = Some(self.exposure.unwrap_or(usual));
+        line.mode = Some(self.mode()).filter(|mode| *mode != Mode::Shaded);
+        line.tone = Some(self.tone()).filter(|tone| *tone != Tone::Neutral);
+        line.clear_sky = self.clear_sky;
+    }
+
+    fn mode(&self) -> Mode {
+        self.mode.map_or(Mode::Shaded, ModeOption::mode)
+    }
+
+    fn tone(&self) -> Tone {
+        self.tone.map_or(Tone::Neutral, ToneOption::tone)
+    }
+
     /// The look of a picture over a site of a planet, exposed in the usual way unless told otherwise.
     pub(crate) fn look(&self, recipe: &Recipe, site: DVec3, usual: Exposure) -> Look {
         let [azimuth, elevation] = self.sun.unwrap_or(DEFAULT_SUN);
-        let sun = self.date.map_or_else(|| sun_over(site, azimuth, elevation), |date| sun::direction(date, recipe.axial_tilt));
+        let by_date = |date| sun::direction(date as f64, recipe.axial_tilt);
+        let sun = self.date.map_or_else(|| sun_over(site, azimuth, elevation), by_date);
         let (factor, metering) = match self.exposure.unwrap_or(usual) {
             Exposure::Auto => (1.0, Some(1.0)),
             Exposure::Fixed(factor) => (factor, None),
         };
-        let mode = match self.mode {
-            ModeOption::Shaded => Mode::Shaded,
-            ModeOption::Wire => Mode::Wire,
-            ModeOption::Levels => Mode::Levels,
-            ModeOption::Normals => Mode::Normals,
-            ModeOption::Albedo => Mode::Albedo,
-            ModeOption::Depth => Mode::Depth,
-        };
-        let tone = match self.tone {
-            ToneOption::Neutral => Tone::Neutral,
-            ToneOption::Agx => Tone::Agx,
-        };
-        Look { mode, sun, exposure: factor, tone, metering, clouds: !self.clear_sky }
+        Look { mode: self.mode(), sun, exposure: factor, tone: self.tone(), metering, clouds: !self.clear_sky }
     }
 }
 

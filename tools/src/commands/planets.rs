@@ -1,0 +1,106 @@
+//! The planet that a command is given: a planet file; or a recipe, or the name of one, whose file is kept in the user's cache.
+
+use super::recipes::load_recipe;
+use anyhow::{bail, Context as _};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use tempfile::TempDir;
+use terrane_planet::draw::view_line::ViewLine;
+use terrane_planet::planet::bake::{bake, BakePlan};
+use terrane_planet::planet::Planet;
+use terrane_planet::recipe::shipped;
+use terrane_planet::store::{PlanetFile, PlanetHeader, StoreError};
+
+/// Cells along a patch side of a recipe's planet, as `terrane bake` has them.
+pub(crate) const CELLS: u32 = 64;
+
+/// What stands for a planet in help texts, and their words.
+pub(crate) const FILE: &str = "FILE|RECIPE|NAME";
+pub(crate) const HELP: &str = "Planet file; or a recipe: a TOML file, or the name of one that comes with the command";
+
+/// The same where a view may name the planet.
+pub(crate) const WITH_VIEW: &str =
+    "Planet file; or a recipe: a TOML file, or the name of one that comes with the command [default: that of --view]";
+
+/// Finest level of the whole planet that is built for commands that build nothing themselves.
+const LEVELS: u8 = 1;
+
+/// Where a planet file is.
+pub(crate) struct PlanetPlace {
+    path: PathBuf,
+    /// Where the user's cache cannot be written: a folder that goes with this.
+    _folder: Option<TempDir>,
+}
+
+impl PlanetPlace {
+    /// The file.
+    pub(crate) fn path(&self) -> &Path {
+        &self.path
+    }
+}
+
+/// The planet file that was given, or that of a recipe, made if need be. Without either that of the planet of a view.
+pub(crate) fn planet_file(given: Option<&Path>, view: Option<&ViewLine>) -> anyhow::Result<PlanetPlace> {
+    let seen = view.and_then(|line| line.planet.as_deref()).map(Path::new);
+    let names: Vec<&str> = shipped::names().collect();
+    let Some(path) = given.or(seen) else {
+        bail!("no planet: expected a planet file, a recipe or one of {}, or --view with the text of a picture", names.join(", "));
+    };
+    let is_recipe = path.extension().is_some_and(|extension| extension == "toml");
+    if path.is_file() && !is_recipe {
+        return Ok(PlanetPlace { path: path.to_owned(), _folder: None });
+    }
+    let lower = path.to_string_lossy().to_lowercase();
+    let name = if names.contains(&lower.as_str()) { Path::new(&lower) } else { path };
+    cached(&Planet::from_recipe(load_recipe(name)?, CELLS)?)
+}
+
+/// As [`planet_file`], for commands that draw only what the file holds: of recipes the coarsest levels are built.
+pub(crate) fn built_planet_file(given: Option<&Path>, view: Option<&ViewLine>) -> anyhow::Result<PlanetPlace> {
+    let place = planet_file(given, view)?;
+    if given == Some(place.path()) {
+        return Ok(place);
+    }
+    let header = PlanetFile::open(place.path())?.header().clone();
+    let planet = Planet::from_header(&header)?;
+    let mut file = PlanetFile::create_or_resume(place.path(), &header)?;
+    let plan = BakePlan::new(planet.recipe.radius, LEVELS, None)?;
+    let threads = super::building::Threads::default().count();
+    bake(&mut file, &planet.terrain, &planet.terrain, &plan, threads, &|_| (), &AtomicBool::new(false))
+        .with_context(|| format!("cannot bake {}", place.path().display()))?;
+    Ok(place)
+}
+
+/// The planet's file in the user's cache; where that cannot be written, in a folder that goes with the command.
+fn cached(planet: &Planet) -> anyhow::Result<PlanetPlace> {
+    let header = planet.header();
+    let refused = match directories::ProjectDirs::from("", "", "terrane") {
+        Some(folders) => match made(folders.cache_dir(), &header) {
+            Ok(path) => return Ok(PlanetPlace { path, _folder: None }),
+            Err(error) => format!("{error:#}"),
+        },
+        None => "there is no home folder".to_owned(),
+    };
+    eprintln!("terrane: what is built is not kept: {refused}");
+    let folder = tempfile::Builder::new().prefix("terrane-").tempdir().context("cannot make a temporary folder")?;
+    Ok(PlanetPlace { path: made(folder.path(), &header)?, _folder: Some(folder) })
+}
+
+/// The planet's file in a folder, sound. One that is damaged or old is replaced, which is said on stderr.
+fn made(folder: &Path, header: &PlanetHeader) -> anyhow::Result<PathBuf> {
+    std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
+    let path = folder.join(header.file_name());
+    let sound = |path: &Path| PlanetFile::create_or_resume(path, header)?.index().map(drop);
+    match sound(&path) {
+        Ok(()) => {}
+        Err(error @ (StoreError::System { .. } | StoreError::Database { .. } | StoreError::Edited { .. })) => {
+            return Err(error.into())
+        }
+        Err(error) => {
+            eprintln!("terrane: {error}: it is in the cache, and made anew");
+            std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
+            sound(&path)?;
+        }
+    }
+    Ok(path)
+}
