@@ -106,9 +106,11 @@ fn the_gpus_are_listed() {
 #[test]
 fn without_a_driver_every_command_says_what_to_install() {
     let cases: [&[&str]; 3] =
-        [&["gpus"], &["shot", "x.planet", "--at", "0,0,1000", "--out", "x.png"], &["verify", "x.planet", "--views", "1"]];
+        [&["gpus"], &["shot", "tiny", "--at", "0,0,1000", "--out", "x.png"], &["verify", "x.planet", "--views", "1"]];
+    let folder = tempfile::tempdir().unwrap();
     for arguments in cases {
         let mut command = command(arguments);
+        command.current_dir(folder.path()).env("XDG_CACHE_HOME", folder.path());
         command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
         let output = command.output().unwrap();
         let errors = text(&output.stderr);

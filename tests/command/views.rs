@@ -100,3 +100,32 @@ fn views_that_cannot_be_are_refused_with_place_found_and_expected() {
         assert!(output.status.code() == Some(2) && parts.iter().all(|part| message.contains(part)), "{view}: {message}");
     }
 }
+
+#[test]
+fn meshes_and_films_take_from_a_view_what_they_have_use_for() {
+    if device().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    bake(folder);
+    let mesh = |options: &[&str]| {
+        let output = terrane(&[&["mesh", "p.planet", "--out", "x.ply"], options].concat(), folder);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        std::fs::read(folder.join("x.ply")).unwrap()
+    };
+    let given = mesh(&["--at", "10,20,3000", "--look", "40,-20", "--fov", "30", "--size", "64x48", "--error", "2"]);
+    let view = "terrane:1/at=10,20/altitude=3000/look=40,-20/fov=30/size=64x48/error=2/mode=albedo";
+    assert!(mesh(&["--view", view]) == given && mesh(&["--view", view, "--look", "220,-20"]) != given);
+
+    let keyframe = |time: f64| {
+        format!(
+            r#"{{"time_s": {time}, "latitude": 10, "longitude": 20, "altitude_m": 3000, "heading": 40, "pitch": -20, "fov": 30}}"#
+        )
+    };
+    std::fs::write(folder.join("path.json"), format!("[{}, {}]", keyframe(0.0), keyframe(0.1))).unwrap();
+    let record = ["record", "p.planet", "--path", "path.json", "--fps", "10", "--stored-only", "--view", view, "--out", "frames"];
+    let output = terrane(&record, folder);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(pixels(&folder.join("frames/000001.png")) == shot(folder, &["p.planet", "--view", view, "--stored-only"], "x.png"));
+}

@@ -51,7 +51,15 @@ pub(crate) fn planet_file(given: Option<&Path>, view: Option<&ViewLine>) -> anyh
         return Ok(PlanetPlace { path: path.to_owned(), _folder: None });
     }
     let lower = path.to_string_lossy().to_lowercase();
-    let name = if names.contains(&lower.as_str()) { Path::new(&lower) } else { path };
+    let is_name = names.contains(&lower.as_str());
+    if !is_name && !is_recipe {
+        bail!(
+            "no planet file {}, and no recipe of that name: those that come with the command are {}",
+            path.display(),
+            names.join(", ")
+        );
+    }
+    let name = if is_name { Path::new(&lower) } else { path };
     cached(&Planet::from_recipe(load_recipe(name)?, CELLS)?)
 }
 
