@@ -299,11 +299,16 @@ fn a_path_is_played_with_fewer_pixels_than_it_ends_with_and_then_nothing_is_draw
     assert_eq!((code, stderr.as_str()), (Some(0), ""));
     let frames: Vec<serde_json::Value> = serde_json::from_slice(&std::fs::read(&report).unwrap()).unwrap();
     let (moving, standing): (Vec<_>, Vec<_>) = frames.iter().skip(1).partition(|frame| frame["moving"] == true);
-    assert!(moving.len() >= 3, "{} frames in flight", moving.len());
-    assert!(moving.iter().skip(1).all(|frame| frame["scale"] == 0.25), "a frame in flight has more pixels than its budget bears");
-    assert!(!standing.is_empty() && standing.iter().all(|frame| frame["scale"] == 1.0), "who stands does not see all pixels");
+    assert!(moving.len() >= 5, "{} frames in flight", moving.len());
+    // The first frames are those whose cost the budget is kept by.
+    assert!(moving.iter().skip(3).all(|frame| frame["scale"] == 0.25), "a frame in flight has more pixels than its budget bears");
     let time = |frame: &serde_json::Value| frame["time_s"].as_f64().unwrap();
-    let stood = time(frames.last().unwrap()) - time(moving.last().unwrap());
+    // All pixels are there within half a second of standing still.
+    let landed = time(moving.last().unwrap());
+    let late: Vec<_> = standing.iter().filter(|frame| time(frame) < 1.0 || time(frame) > landed + 0.5).collect();
+    assert!(late.iter().all(|frame| frame["scale"] == 1.0), "who stands does not see all pixels");
+    assert!(standing.last().is_some_and(|frame| frame["scale"] == 1.0), "the last frame does not have all pixels");
+    let stood = time(frames.last().unwrap()) - landed;
     assert!(stood < 4.0, "the last frame came after {stood} s of standing still");
     // The very last may have seen it closing.
     let still = taken[taken.len() - 2] - taken[taken.len() - 4];
