@@ -14,17 +14,17 @@ const EXPECTED: &str = "six numbers: steps along rows and columns, and the first
 pub(super) fn placed(source: &Source, image: Imported, path: &Path, projection: Option<&str>) -> Imported {
     let has_place = image.spacing_m.is_some() || image.unplaced.is_some();
     let Some((name, text)) = beside(path).filter(|_| !has_place) else { return image };
-    let refuse = |found: String, expected: &str| source.refuse(Fault::Place, format!("{found} in {name}"), expected);
+    let unclear = |found: String, expected: &str| source.refuse(Fault::Place, format!("{found} in {name}"), expected);
     let numbers: Result<Vec<f64>, _> = text.split_ascii_whitespace().map(str::parse).collect();
     let Ok(&[a, d, b, e, x, y]) = numbers.as_deref() else {
         let found = text.lines().take(7).collect::<Vec<_>>().join(", ");
-        let error = refuse(format!("'{}'", found.chars().take(80).collect::<String>()), EXPECTED);
+        let error = unclear(format!("'{}'", found.chars().take(80).collect::<String>()), EXPECTED);
         return Imported { unplaced: Some(Box::new(error)), ..image };
     };
     let options = source.options;
     if options.window.is_some() || options.overview.is_some_and(|overview| overview > 0) {
         let error =
-            refuse("the place of the whole image".into(), "the whole image").with_advice("leave --window and --overview away");
+            unclear("the place of the whole image".into(), "the whole image").with_advice("leave --window and --overview away");
         return Imported { unplaced: Some(Box::new(error)), ..image };
     }
     let tags = Tags::of_affine([x - 0.5 * (a + b), a, b, y - 0.5 * (d + e), d, e]);

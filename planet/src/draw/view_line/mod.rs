@@ -333,8 +333,8 @@ mod tests {
             ("planet=Terra", "planet=T%4", "%XX"),
             ("clear-sky", "clear-sky=yes", "no value"),
             ("ssaa=2", "ssaa=2/ssaa=2", "found it twice"),
-            ("ssaa=2", "colour=2", "one of planet, recipe, at"),
-            ("ssaa=2", "", "one of planet, recipe, at"),
+            ("ssaa=2", "colour=2", "one of at, altitude, height"),
+            ("ssaa=2", "", "one of at, altitude, height"),
             ("fov=50", "fov", "=VALUE"),
         ] {
             assert!(full(from, to).contains(part), "{to}: {}", full(from, to));
