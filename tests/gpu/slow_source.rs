@@ -20,9 +20,6 @@ const SIZE: [u32; 2] = [160, 90];
 
 const DELAY: Delay = Delay { latency: Duration::from_millis(20), bytes_per_second: 1e6 };
 
-/// Longest time from opening to the first whole picture, with validation, of a program that is not optimised.
-const SOON: Duration = Duration::from_millis(1500);
-
 fn view(planet: &Planet, direction: DVec3, altitude: f64, pitch: f64) -> View {
     let position = planet.position_above(direction.normalize(), altitude);
     View::new(Camera::looking(position, 30.0, pitch, 0.9, SIZE), &planet.lattice, planet.cells, 1.0)
@@ -95,7 +92,7 @@ fn a_whole_picture_comes_first_and_no_later_one_has_a_hole() {
         }
     }
     let (first, settled) = (first.unwrap(), begun.elapsed());
-    assert!(first < SOON && first < settled && pictures > 1, "{first:?} of {settled:?}, {pictures} pictures");
+    assert!(first < settled / 2 && pictures > 1, "{first:?} of {settled:?}, {pictures} pictures");
     let mut at_hand =
         Scene::open(&context, planet_file(), SceneOptions { on_demand: Some(nothing_finer(&planet)), ..SceneOptions::default() })
             .unwrap();
