@@ -6,9 +6,6 @@ use super::gaps::Gaps;
 use super::place::{self, Raster};
 use super::{Fault, Format, ImportError, Imported, Source, Values};
 
-/// Largest step that must be meant in degrees when coordinates fit a globe.
-const LARGEST_STEP_DEG: f64 = 1.0;
-
 #[derive(Default)]
 struct Header {
     columns: Option<usize>,
@@ -86,7 +83,7 @@ impl Header {
         let placed = self.raster(source, &image).and_then(|raster| Ok((named.map(system).transpose()?, raster)));
         match placed {
             Ok((Some(crs), raster)) => place::place(source, image, &crs, raster),
-            Ok((None, raster)) => placed_without_system(source, image, raster.origin, raster.step),
+            Ok((None, raster)) => place::without_system(source, image, raster),
             Err(error) => Imported { unplaced: Some(Box::new(error)), ..image },
         }
     }
@@ -102,19 +99,4 @@ impl Header {
         let north = south + (image.field.rows() as f64 - 1.0) * down;
         Ok(Raster { origin: [west, north], step: [across, down] })
     }
-}
-
-/// The image where no system is named: steps can only be lengths, unless they may be degrees.
-pub(super) fn placed_without_system(source: &Source, image: Imported, [west, north]: [f64; 2], step: [f64; 2]) -> Imported {
-    let [across, down] = step;
-    let [east, south] = [west + image.field.columns() as f64 * across, north - image.field.rows() as f64 * down];
-    let on_globe = west >= -361.0 && east <= 541.0 && south >= -91.0 && north <= 91.0;
-    if on_globe && across.max(down) < LARGEST_STEP_DEG {
-        let found = format!("steps of {across}, which may be degrees");
-        let error = source.refuse(Fault::Place, found, "a coordinate system, of which the format holds none");
-        return Imported { unplaced: Some(Box::new(error)), ..image };
-    }
-    let mut image = Imported { spacing_m: Some(step), ..image };
-    image.notes.push("names no coordinate system: its steps are taken as metres (--crs says otherwise)".into());
-    image
 }

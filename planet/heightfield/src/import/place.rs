@@ -7,6 +7,9 @@ use super::{Ellipsoid, Fault, GeographicGrid, ImportError, Imported, Source};
 /// UTM zone are 10 m. Beyond, metres are those on the ground.
 const TRUE_ENOUGH: f64 = 1.0 / 500.0;
 
+/// Largest step that must be meant in degrees when coordinates fit a globe.
+const LARGEST_STEP_DEG: f64 = 1.0;
+
 /// Change of scale over a map from which on it is told.
 const UNEVEN: f64 = 0.02;
 
@@ -69,6 +72,21 @@ pub(super) fn place(source: &Source, image: Imported, crs: &Crs, raster: Raster)
         }
         Err(error) => Imported { unplaced: Some(Box::new(error)), ..image },
     }
+}
+
+/// The image where no system is named: steps can only be lengths, unless they may be degrees.
+pub(super) fn without_system(source: &Source, image: Imported, Raster { origin: [west, north], step }: Raster) -> Imported {
+    let [across, down] = step;
+    let [east, south] = [west + image.field.columns() as f64 * across, north - image.field.rows() as f64 * down];
+    let on_globe = west >= -361.0 && east <= 541.0 && south >= -91.0 && north <= 91.0;
+    if on_globe && across.max(down) < LARGEST_STEP_DEG {
+        let found = format!("steps of {across}, which may be degrees");
+        let error = source.refuse(Fault::Place, found, "a coordinate system, of which the format holds none");
+        return Imported { unplaced: Some(Box::new(error)), ..image };
+    }
+    let mut image = Imported { spacing_m: Some(step), ..image };
+    image.notes.push("names no coordinate system: its steps are taken as metres (--crs says otherwise)".into());
+    image
 }
 
 struct Placed {

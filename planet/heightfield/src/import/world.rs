@@ -3,8 +3,9 @@
 
 use super::crs::Crs;
 use super::geotiff::{Part, Tags};
+use super::place::{self, Raster};
 use super::tiff::turn;
-use super::{asc, Fault, Imported, Source, Window};
+use super::{Fault, Imported, Source, Window};
 use std::path::Path;
 
 /// What such a file holds, in its order: steps of x and y along a row, steps of x and y along a column, and the centre of the first pixel.
@@ -37,7 +38,7 @@ pub(super) fn placed(source: &Source, image: Imported, path: &Path, projection: 
         let part = Part { window: Window::whole([columns, image.field.rows()]), factor: [1.0; 2] };
         return tags.placed(source, image, part, || Crs::of_user(projection.unwrap_or_default()));
     }
-    asc::placed_without_system(source, image, [x, y], [a.abs(), e.abs()])
+    place::without_system(source, image, Raster { origin: [x, y], step: [a.abs(), e.abs()] })
 }
 
 /// The name and the text of the file beside an image: the first and the last letter of its extension and a `w`, the extension and a `w`,
