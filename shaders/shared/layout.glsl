@@ -162,8 +162,8 @@ const uint MODE_ALBEDO = 4u;
 const uint MODE_DEPTH = 5u;
 const uint TONE_NEUTRAL = 0u;
 const uint TONE_AGX = 1u;
-bool is_diagram(uint mode) { return mode == MODE_NORMALS || mode == MODE_ALBEDO || mode == MODE_DEPTH; }
-bool is_plain(uint mode) { return mode == MODE_NORMALS || mode == MODE_DEPTH; }
+bool is_diagram(uint mode) { return any(bvec3(mode == MODE_NORMALS, mode == MODE_ALBEDO, mode == MODE_DEPTH)); }
+bool is_plain(uint mode) { return any(bvec2(mode == MODE_NORMALS, mode == MODE_DEPTH)); }
 const uint TEXTURE_GUTTER = 4u;
 const float SHORE_RANGE = 400.0;
 const float FADE_FROM = 0.65;

@@ -17,7 +17,7 @@ const float PI = 3.14159265;
 bool has_air() { return decided_late(shading.scale_height > 0.0); }
 
 bool mode_is(uint mode) { return decided_late(shading.mode == mode); }
-bool draws_diagram() { return mode_is(MODE_NORMALS) || mode_is(MODE_ALBEDO) || mode_is(MODE_DEPTH); }
+bool draws_diagram() { return decided_late(is_diagram(shading.mode)); }
 bool draws_plainly() { return decided_late(is_plain(shading.mode)); }
 
 // Whether the camera is so far away that the squares of its distance and of the planet's radius cannot be compared.

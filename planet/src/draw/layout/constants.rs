@@ -185,10 +185,10 @@ impl Tone {
     }
 }
 
-/// GLSL of a function that asks whether a mode is one of some.
+/// GLSL of a function that asks whether a mode is one of several, without `||`: that would be a condition on its own (`decided_late`).
 fn mode_test(name: &str, holds: impl Fn(Mode) -> bool) -> String {
     let tests: Vec<String> = Mode::ALL.iter().filter(|m| holds(**m)).map(|m| format!("mode == {}", mode_constant(*m))).collect();
-    format!("bool {name}(uint mode) {{ return {}; }}", tests.join(" || "))
+    format!("bool {name}(uint mode) {{ return any(bvec{}({})); }}", tests.len(), tests.join(", "))
 }
 
 fn mode_constant(mode: Mode) -> String {
