@@ -26,7 +26,7 @@ use glam::DVec3;
 use keeper::Keeper;
 use loader::{Loaded, LoadedMesh, Loader, Parts, Request, Response};
 use options::Budget;
-use source::{open_files, Source, Sun, Tally};
+use source::{as_records, open_files, Source, Sun, Tally};
 use std::collections::HashMap;
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -151,13 +151,14 @@ impl Scene {
         }
         let mut tree = planet.tree(records.iter().map(|r| (r.id, r.facts)));
         let mut most_patches = u32::try_from(records.len()).unwrap_or(u32::MAX);
-        let mut keeper = None;
+        let (mut keeper, mut side_file) = (None, None);
         if let Some(on_demand) = &options.on_demand {
             tree = tree.built_to(planet.level_of_spacing(on_demand.spacing_m));
             most_patches = u32::MAX;
             keeper = on_demand.cache.as_ref().and_then(|cache| Keeper::start(path, file.header(), cache));
             if let Some(path) = keeper.as_ref().and_then(|keeper| keeper.side.as_ref()) {
-                PlanetFile::open(path)?.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
+                let file = side_file.insert(PlanetFile::open(path)?);
+                file.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
             }
         }
         let Budget { capacity, mesh_bytes: most_mesh_bytes, under_way } =
@@ -185,7 +186,7 @@ impl Scene {
         // The workers read the first patches while the clouds are made.
         let parts = Parts { mesh: true, texture: options.textures && line.is_none() };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(parts, None), 0.0)).collect());
-        let files = open_files(path, line.as_ref(), side)?;
+        let files = as_records(file, line.as_ref(), side_file);
         let fetch = clouds::fetcher(files, planet.clone(), keeper.as_ref().and_then(Keeper::handle));
         let (map, late_clouds) = match options.textures {
             true if line.is_some() => (None, Some(LateClouds::Waiting(Box::new(fetch)))),

@@ -77,15 +77,16 @@ pub(super) fn open_files(
     line: Option<&Arc<Line>>,
     side: Option<&PathBuf>,
 ) -> Result<Vec<Box<dyn Records>>, StoreError> {
-    let file = PlanetFile::open(path)?;
-    let mut files: Vec<Box<dyn Records>> = vec![match line {
+    Ok(as_records(PlanetFile::open(path)?, line, side.map(|side| PlanetFile::open(side)).transpose()?))
+}
+
+/// The same of files that are open.
+pub(super) fn as_records(file: PlanetFile, line: Option<&Arc<Line>>, side: Option<PlanetFile>) -> Vec<Box<dyn Records>> {
+    let file: Box<dyn Records> = match line {
         Some(line) => Box::new(SlowFile::new(file, line.clone())),
         None => Box::new(file),
-    }];
-    if let Some(side) = side {
-        files.push(Box::new(PlanetFile::open(side)?));
-    }
-    Ok(files)
+    };
+    std::iter::once(file).chain(side.map(|side| Box::new(side) as Box<dyn Records>)).collect()
 }
 
 impl Source {
