@@ -150,7 +150,7 @@ void main() {
     float height = length(from_centre) - shading.radius;
     float elevation = dot(up, shading.sun);
     // The share of the sun's disc above the relief.
-    float facing = max(dot(normal, shading.sun), 0.0) * smoothstep(-PENUMBRA, PENUMBRA, elevation - ground.relief.x);
+    float facing = max(dot(normal, shading.sun), 0.0) * smoothstep(-PENUMBRA, PENUMBRA, elevation - ground.relief.x + shading.horizon_drop);
     vec3 sun = sun_irradiance(height, elevation) * cloud_shadow(from_centre, height, elevation, footprint);
     vec3 sky = sky_irradiance(height, elevation);
     float open = (0.5 + 0.5 * dot(normal, up)) * ground.relief.y;

@@ -8,11 +8,12 @@ layout(scalar, binding = 0) readonly buffer PatchVertexBlock { PatchVertex patch
 layout(scalar, binding = 1) readonly buffer PatchDrawBlock { PatchDraw patchdraw; };
 layout(scalar, binding = 2) readonly buffer DrawnVertexBlock { DrawnVertex drawnvertex; };
 layout(scalar, binding = 3) readonly buffer StarBlock { Star star; };
-layout(scalar, binding = 4) readonly buffer TaskBlock { Task task; };
-layout(scalar, binding = 5) readonly buffer FrameViewBlock { FrameView frameview; };
-layout(scalar, binding = 6) readonly buffer ShadingBlock { Shading shading; };
-layout(scalar, binding = 7) readonly buffer EmitStateBlock { EmitState emitstate; };
-layout(scalar, binding = 8) writeonly buffer Words { uint words[]; };
+layout(scalar, binding = 4) readonly buffer GuiCornerBlock { GuiCorner guicorner; };
+layout(scalar, binding = 5) readonly buffer TaskBlock { Task task; };
+layout(scalar, binding = 6) readonly buffer FrameViewBlock { FrameView frameview; };
+layout(scalar, binding = 7) readonly buffer ShadingBlock { Shading shading; };
+layout(scalar, binding = 8) readonly buffer EmitStateBlock { EmitState emitstate; };
+layout(scalar, binding = 9) writeonly buffer Words { uint words[]; };
 
 uint bits(uint x) { return x; }
 uint bits(int x) { return uint(x); }
@@ -55,6 +56,11 @@ void main() {
     words[at++] = bits(star.radiance.x);
     words[at++] = bits(star.radiance.y);
     words[at++] = bits(star.radiance.z);
+    words[at++] = bits(guicorner.position.x);
+    words[at++] = bits(guicorner.position.y);
+    words[at++] = bits(guicorner.texel.x);
+    words[at++] = bits(guicorner.texel.y);
+    words[at++] = bits(guicorner.color);
     words[at++] = bits(task.patch_number);
     words[at++] = bits(task.first);
     words[at++] = bits(task.end);
@@ -182,6 +188,7 @@ void main() {
     words[at++] = bits(shading.sea_variance);
     words[at++] = bits(shading.cloud_height);
     words[at++] = bits(shading.cloud_depth);
+    words[at++] = bits(shading.horizon_drop);
     words[at++] = bits(emitstate.wanted);
     words[at++] = bits(emitstate.capacity);
     words[at++] = bits(emitstate.awake);

@@ -37,6 +37,12 @@ struct Star {
     vec3 radiance;
 };
 
+struct GuiCorner {
+    vec2 position;
+    vec2 texel;
+    uint color;
+};
+
 struct Task {
     uint patch_number;
     uint first;
@@ -100,6 +106,7 @@ struct Shading {
     float sea_variance;
     float cloud_height;
     float cloud_depth;
+    float horizon_drop;
 };
 
 struct EmitState {
@@ -148,8 +155,6 @@ const float AGX_SATURATION = 1.35;
 const vec3 DITHER = vec3(0.06711056, 0.00583715, 52.982918);
 const int EDGE_REACH = 128;
 const int EDGE_ROWS = 4;
-const uvec2 TEXT_CELL = uvec2(8u, 10u);
-const uint TEXT_POSITION_BITS = 10u;
 const uint SIDE_LEFT = 1u;
 const uint SIDE_RIGHT = 2u;
 const uint SIDE_BOTTOM = 4u;

@@ -1,30 +1,32 @@
 //! A flight: the window with everything that is drawn in it. One call of [`Flight::draw`] is one frame.
 
-use super::keys::{next_mode, Command};
+use super::choices::Choices;
+use super::facts::Facts;
+use super::interface::Interface;
+use super::keys::Command;
 use super::ledger::Ledger;
-use super::overlay::{Overlay, Status};
 use super::pacing::{Due, Motives, Pacing, Scale};
+use super::panel::{Asked, Panel};
 use super::playback::{FlyFrame, Playback};
 use super::pose::Pose;
 use super::surface::DrawnSurface;
 use super::viewer::Viewer;
 use super::{view_line, AppError, FlyOptions, SaveScreenshot};
-use crate::frame::{FrameTables, Look, Overlay as OverlayStage, Renderer};
+use crate::frame::{FrameTables, GuiFrame, PerStage, Renderer};
 use crate::scene::{uploads_within, Scene, SceneOptions, Scope};
-use crate::vulkan::{capture, vk, Access, Commands, Context, GpuKind, Image, ImageDescription, Swapchain};
-use glam::DQuat;
+use crate::vulkan::{capture, vk, Access, Commands, Context, Frame, GpuKind, Image, ImageDescription, Swapchain};
+use egui::TexturesDelta;
 use std::sync::Arc;
 use std::time::Instant;
 use terrane_planet::draw::layout::{EmitState, Mode};
 use terrane_planet::draw::view::View;
 use terrane_planet::draw::view_line::ViewLine;
+use terrane_planet::globe::sphere::latitude_longitude;
 use terrane_planet::maps::waves::CASCADES;
 use winit::window::Window;
 
 /// Longest time in seconds that one frame moves the viewer on by, however long it took.
 const LONGEST_FRAME: f64 = 0.25;
-/// Radians that the sun moves along its daily course with each key press.
-const SUN_STEP: f64 = 0.05;
 /// Seconds in which exposure goes most of the way to its goal.
 const ADAPTATION_SECONDS: f64 = 0.6;
 /// Milliseconds that a moving frame may take on a software renderer unless told otherwise: ten frames a second, and some room.
@@ -33,40 +35,52 @@ const SOFTWARE_MS: f64 = 80.0;
 const FIRST_FRAMES: u64 = 2;
 /// Frames a second where the screen does not say how many it shows.
 const USUAL_FPS: f64 = 60.0;
-/// Windows at least this wide have text of twice the size.
-const WIDE: u32 = 1000;
 
 /// Whether the selection follows the viewer.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Selection {
+pub(super) enum Selection {
     Follows,
     /// The next frame emits the whole mesh once more, without culling, to be seen from all sides.
     Freezes,
     Frozen,
 }
 
+/// A picture that is wanted as a file.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub(super) enum Screenshot {
+    /// Of the planet alone.
+    Picture,
+    /// With the interface in it.
+    Window,
+}
+
 /// Everything that a window needs.
 pub(super) struct Flight {
     pub(super) viewer: Viewer,
-    pub(super) overlay: Overlay,
+    pub(super) panel: Panel,
+    pub(super) interface: Interface,
+    pub(super) choices: Choices,
     pub(super) scene: Scene,
     pub(super) window: Arc<Window>,
+    pub(super) selection: Selection,
+    pub(super) screenshot: Option<Screenshot>,
+    /// What buttons of the panel asked for, to be done as if keys had.
+    pub(super) wishes: Vec<Command>,
+    /// Text that is to be copied.
+    pub(super) copied: Vec<String>,
+    /// Where the window began.
+    pub(super) home: Pose,
     context: Arc<Context>,
     swapchain: Swapchain,
     renderer: Renderer,
-    stage: OverlayStage,
-    look: Look,
+    /// The latest picture, without the interface: frames in which only that changes put it over the same.
+    picture: Option<Image>,
     /// The view as text, as far as nothing changes it.
     line: ViewLine,
-    tolerance: f64,
-    geomorphs: bool,
-    orientation: bool,
     /// Of the latest frame; while frozen, of the frame that stays.
     tables: Option<FrameTables>,
-    selection: Selection,
     /// Patches that this frame may take in.
     uploads: usize,
-    screenshot_wanted: bool,
     pacing: Pacing,
     ledger: Ledger,
     playback: Option<Playback>,
@@ -77,7 +91,9 @@ pub(super) struct Flight {
     latest_pose: Option<Pose>,
     /// Whether they moved in the latest frame.
     moving: bool,
+    /// Of a frame that is done: its counters, and GPU milliseconds of its stages.
     counters: EmitState,
+    stages: PerStage<Option<f64>>,
     begun: Option<Instant>,
     latest: Instant,
     frames: u64,
@@ -91,29 +107,38 @@ impl Flight {
         let swapchain = Swapchain::new(&context, surface, (size.width, size.height), false)?;
         let format = swapchain.format();
         let software = context.device_info().kind == GpuKind::Cpu;
-        let scale = options.scale.unwrap_or(Scale::Within(if software { SOFTWARE_MS } else { f64::INFINITY }));
+        let budget = Scale::Within(if software { SOFTWARE_MS } else { f64::INFINITY });
+        let scale = options.scale.unwrap_or(budget);
         let shown = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
         let most_fps = options.most_fps.unwrap_or(shown.map_or(USUAL_FPS, |millihertz| f64::from(millihertz) * 1e-3));
         let mut renderer = Renderer::new(&context, (options.camera.size[0], options.camera.size[1]), format)?;
         renderer.time = options.view.time.unwrap_or(0.0);
         Ok(Flight {
-            viewer: Viewer::new(&options.camera),
-            overlay: Overlay::default(),
+            viewer: Viewer::new(&options.camera, options.keys.clone()),
+            panel: Panel::new(false),
+            interface: Interface::new(&context, &window, format)?,
+            choices: Choices {
+                look: options.look,
+                tolerance: options.tolerance,
+                geomorphs: options.geomorphs,
+                orientation: options.orientation,
+                scale,
+                budget: if matches!(scale, Scale::Within(_)) { scale } else { budget },
+            },
             scene,
             window,
+            selection: Selection::Follows,
+            screenshot: None,
+            wishes: Vec::new(),
+            copied: Vec::new(),
+            home: Pose::of_camera(&options.camera),
             renderer,
-            stage: OverlayStage::new(&context, format)?,
             context,
             swapchain,
-            look: options.look,
+            picture: None,
             line: options.view.clone(),
-            tolerance: options.tolerance,
-            geomorphs: options.geomorphs,
-            orientation: options.orientation,
             tables: None,
-            selection: Selection::Follows,
             uploads: uploads_within(0.0),
-            screenshot_wanted: false,
             pacing: Pacing::new(scale, most_fps),
             ledger: Ledger::default(),
             playback: options.path.clone().map(|path| Playback::new(path, options.stand)),
@@ -122,6 +147,7 @@ impl Flight {
             latest_pose: None,
             moving: false,
             counters: EmitState::default(),
+            stages: PerStage::from_fn(|_| None),
             begun: None,
             latest: Instant::now(),
             frames: 0,
@@ -142,9 +168,14 @@ impl Flight {
         std::mem::take(&mut self.ledger.rows)
     }
 
-    /// Something happened to the window.
+    /// Something happened that the picture shows.
     pub(super) fn touch(&mut self) {
         self.pacing.touch(Instant::now());
+    }
+
+    /// Something happened that only the interface shows.
+    pub(super) fn touch_interface(&mut self) {
+        self.pacing.touch_interface();
     }
 
     /// When the window closes by itself.
@@ -154,23 +185,33 @@ impl Flight {
 
     /// When the next frame is due.
     pub(super) fn due(&self, now: Instant) -> Due {
+        self.pacing.due(now, &self.motives(now))
+    }
+
+    fn motives(&self, now: Instant) -> Motives {
         let plays = self.playback.as_ref().is_some_and(|playback| playback.is_moving(now));
-        let motives = Motives {
+        let follows = self.selection == Selection::Follows;
+        Motives {
             moving: self.viewer.is_moving() || plays || self.has_waves() || self.latest_pose != Some(self.viewer.pose),
-            arrived: self.selection == Selection::Follows && self.scene.has_arrived(),
-            pending: self.selection == Selection::Follows && self.scene.pending() > 0,
-            metered: self.look.metering.is_some(),
-            until: self.overlay.vanishes(),
-        };
-        self.pacing.due(now, &motives)
+            arrived: follows && self.scene.has_arrived(),
+            pending: follows && self.scene.pending() > 0,
+            metered: self.choices.look.metering.is_some(),
+            until: [self.panel.vanishes(), self.interface.repaint()].into_iter().flatten().min(),
+        }
+    }
+
+    /// What the viewer moves over.
+    pub(super) fn surface(&self) -> DrawnSurface<'_> {
+        DrawnSurface::of_scene(&self.scene, self.choices.look.sea)
     }
 
     /// Whether the sea moves where the viewer can see it. On software renderers it only does while they move themselves.
     fn has_waves(&self) -> bool {
-        let sees = self.scene.planet().recipe.sea.is_some() && self.look.mode == Mode::Shaded;
+        let look = &self.choices.look;
+        let sees = self.scene.planet().recipe.sea.is_some() && look.sea && look.mode == Mode::Shaded;
         let pixel = self.viewer.pose.camera(&self.viewer.lens).pixel_angle();
         let longest = CASCADES[0].wavelengths[0];
-        !self.software() && sees && self.viewer.altitude(&DrawnSurface::of_scene(&self.scene)) * pixel < longest
+        !self.software() && sees && self.viewer.altitude(&self.surface()) * pixel < longest
     }
 
     fn software(&self) -> bool {
@@ -181,55 +222,84 @@ impl Flight {
         self.swapchain.resize(width, height);
     }
 
-    /// Does what a key asks for, other than ending and what goes to the user.
-    pub(super) fn obey(&mut self, command: Command) {
-        match command {
-            Command::Quit | Command::CopyView => {}
-            Command::Help => self.overlay.help = !self.overlay.help,
-            Command::SwitchCamera => self.viewer.switch_camera(),
-            Command::Show(mode) => self.look.mode = mode,
-            Command::ShowNext => self.look.mode = next_mode(self.look.mode),
-            Command::Toggle(mode) => self.look.mode = if self.look.mode == mode { Mode::Shaded } else { mode },
-            Command::Geomorphs => self.geomorphs = !self.geomorphs,
-            Command::Freeze if self.selection == Selection::Follows => self.selection = Selection::Freezes,
-            Command::Freeze => self.selection = Selection::Follows,
-            Command::Screenshot => self.screenshot_wanted = true,
-            Command::Clouds => self.look.clouds = !self.look.clouds,
-            Command::Sun(steps) => self.look.sun = DQuat::from_rotation_z(-SUN_STEP * steps) * self.look.sun,
-            Command::Zoom(notches) => self.viewer.wheel(notches),
-        }
-    }
-
     /// Draws a frame. False if there was nothing to draw to: try again a little later.
     pub(super) fn draw(&mut self, save: &mut SaveScreenshot) -> Result<bool, AppError> {
         let Some(mut frame) = self.swapchain.acquire()? else { return Ok(false) };
-        let (now, slot) = (Instant::now(), frame.slot());
-        if let Some(times) = &frame.timestamps {
-            self.counters = self.renderer.earlier_counters()?;
-            if let Some(cost) = self.ledger.settle(slot, times, now) {
-                self.pacing.learn(cost);
-            }
+        let (now, slot, size) = (Instant::now(), frame.slot(), frame.target.size());
+        self.learn(&frame, now)?;
+        let stale = self.picture.as_ref().is_none_or(|picture| picture.size() != size);
+        let anew = stale || self.pacing.wants_picture(now, &self.motives(now));
+        self.pacing.begin(now, anew);
+        if anew {
+            self.draw_picture(&mut frame.commands, now, size)?;
         }
-        self.pacing.begin(now);
-        let (width, height) = frame.target.size();
-        self.viewer.lens.size = [width, height];
-        self.renderer.resize((width, height))?;
-        let seconds = self.pass_time(now);
+        let gui = self.lay_out(now);
         let commands = &mut frame.commands;
-        self.record_mesh(commands, now, seconds)?;
-        self.renderer.record_picture(commands, &self.scene, &self.look, &frame.target)?;
-        let text = self.text();
-        let scale = (self.window.scale_factor() * if width >= WIDE { 2.0 } else { 1.0 }).round().max(1.0);
-        self.stage.record(commands, &frame.target, &text, scale as u32)?;
+        if let Some(picture) = &self.picture {
+            if !anew {
+                commands.found(picture.view(), Access::TransferRead);
+            }
+            commands.ready(&[picture.view().to(Access::TransferRead), frame.target.anew(Access::TransferWrite)])?;
+            commands.copy_to_view(picture, &frame.target)?;
+        }
+        self.interface.record(commands, &frame.target, &gui)?;
         commands.ready(&[frame.target.to(Access::Present)])?;
-        let row = self.reports.then(|| self.row(now));
-        self.ledger.send(slot, now, self.context.allocations(), row, self.density);
+        if anew {
+            let row = self.reports.then(|| self.row(now));
+            self.ledger.send(slot, now, self.context.allocations(), row, self.density);
+        }
         self.window.pre_present_notify();
         self.swapchain.present(frame)?;
-        if std::mem::take(&mut self.screenshot_wanted) {
-            self.save_screenshot((width, height), save)?;
+        if let Some(wanted) = self.screenshot.take().filter(|_| anew) {
+            self.save_screenshot(wanted, gui, save)?;
         }
         Ok(true)
+    }
+
+    /// Learns from the frame that was drawn in this slot before, which is done.
+    fn learn(&mut self, frame: &Frame, now: Instant) -> Result<(), AppError> {
+        let Some(times) = &frame.timestamps else { return Ok(()) };
+        self.counters = self.renderer.earlier_counters()?;
+        if let Some(cost) = self.ledger.settle(frame.slot(), times, now) {
+            self.stages = PerStage::gpu_ms(times);
+            self.pacing.learn(cost);
+        }
+        Ok(())
+    }
+
+    /// Draws the planet.
+    fn draw_picture(&mut self, commands: &mut Commands, now: Instant, size: (u32, u32)) -> Result<(), AppError> {
+        self.viewer.lens.size = [size.0, size.1];
+        self.renderer.resize(size)?;
+        let picture = match self.picture.take() {
+            Some(picture) if picture.size() == size => picture,
+            _ => {
+                let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+                Image::new(&self.context, &ImageDescription::new("picture", size, self.swapchain.format(), usage))?
+            }
+        };
+        let seconds = self.pass_time(now);
+        self.record_mesh(commands, now, seconds)?;
+        self.renderer.record_picture(commands, &self.scene, &self.choices.look, picture.view())?;
+        self.picture = Some(picture);
+        Ok(())
+    }
+
+    /// Lays out the interface, and does what it is asked for. What it changes shows in the next frame.
+    fn lay_out(&mut self, now: Instant) -> GuiFrame {
+        let facts = self.facts();
+        let (mut choices, mut asked) = (self.choices, Asked::default());
+        let (panel, keys) = (&mut self.panel, &self.viewer.keys);
+        let gui = self.interface.lay_out(&mut self.copied, |ctx| panel.show(ctx, &facts, &mut choices, keys, &mut asked));
+        if choices != self.choices {
+            self.choices = choices;
+            self.pacing.set_scale(choices.scale);
+            self.touch();
+            // What is slid is to follow the hand.
+            self.pacing.moved(now);
+        }
+        self.answer(asked);
+        gui
     }
 
     /// Counts a frame. Returns the seconds by which it moves the viewer on.
@@ -237,11 +307,14 @@ impl Flight {
         let seconds = now.duration_since(std::mem::replace(&mut self.latest, now)).as_secs_f64();
         if self.begun.is_some() {
             self.frames += 1;
-            self.overlay.count_frame(seconds);
+            // Who stands waits for nothing, and how long says nothing.
+            if self.moving {
+                self.panel.count_frame(seconds);
+            }
         } else {
             self.begun = Some(now);
         }
-        if let Some(share) = &mut self.look.metering {
+        if let Some(share) = &mut self.choices.look.metering {
             *share = (1.0 - (-seconds / ADAPTATION_SECONDS).exp()) as f32;
         }
         self.uploads = uploads_within(seconds);
@@ -254,22 +327,22 @@ impl Flight {
     fn record_mesh(&mut self, commands: &mut Commands, now: Instant, seconds: f64) -> Result<(), AppError> {
         let frozen = self.selection == Selection::Frozen;
         if !frozen {
-            self.scene.set_sun(self.look.sun);
+            self.scene.set_sun(self.choices.look.sun);
             self.scene.receive(self.uploads, commands)?;
         }
         self.step(now, seconds)?;
         if let (true, Some(tables)) = (frozen, &self.tables) {
-            self.renderer.prepare_again(&self.scene, &self.view(), tables, &self.look)?;
+            self.renderer.prepare_again(&self.scene, &self.view(), tables, &self.choices.look)?;
             return Ok(self.renderer.record_again(commands, &self.scene, tables)?);
         }
         let mut cut = self.scene.choose(&self.view());
         // The cut may draw other ground below the viewer than the one before, which they were kept above.
-        if self.viewer.rise(&DrawnSurface::of_scene(&self.scene)) {
+        if self.viewer.rise(&DrawnSurface::of_scene(&self.scene, self.choices.look.sea)) {
             cut = self.scene.choose(&self.view());
         }
         let freezes = self.selection == Selection::Freezes;
         let view = if freezes { self.view().without_culling() } else { self.view() };
-        let tables = self.renderer.prepare(&self.scene, &view, &cut, &self.look, freezes)?;
+        let tables = self.renderer.prepare(&self.scene, &view, &cut, &self.choices.look, freezes)?;
         self.renderer.record_mesh(commands, &self.scene, &tables)?;
         if freezes {
             self.selection = Selection::Frozen;
@@ -280,7 +353,7 @@ impl Flight {
 
     /// Moves the viewer on, along the path that is played if there is one, and chooses how many pixels are drawn.
     fn step(&mut self, now: Instant, seconds: f64) -> Result<(), AppError> {
-        let surface = &DrawnSurface::of_scene(&self.scene);
+        let surface = &DrawnSurface::of_scene(&self.scene, self.choices.look.sea);
         // Drivers compile shaders while the first frames are drawn.
         let playback = self.playback.as_mut().filter(|_| self.frames > FIRST_FRAMES);
         match playback.and_then(|playback| playback.at(now)) {
@@ -297,7 +370,7 @@ impl Flight {
             self.pacing.moved(now);
         }
         // Saved pictures have all their pixels.
-        self.density = if self.screenshot_wanted { 1.0 } else { self.pacing.density(now) };
+        self.density = if self.screenshot.is_some() { 1.0 } else { self.pacing.density(now) };
         Ok(self.renderer.set_density(self.density)?)
     }
 
@@ -317,54 +390,87 @@ impl Flight {
     pub(super) fn view_line(&self) -> ViewLine {
         let line = ViewLine {
             time: Some(self.renderer.time),
-            no_geomorphs: !self.geomorphs,
-            orientation: self.orientation,
-            error: Some(self.tolerance),
+            no_geomorphs: !self.choices.geomorphs,
+            orientation: self.choices.orientation,
+            error: Some(self.choices.tolerance),
             ..self.line.clone()
         };
-        view_line::of(line, &self.viewer, self.scene.planet().recipe.radius, &self.look)
+        view_line::of(line, &self.viewer, self.scene.planet().recipe.radius, &self.choices.look)
     }
 
     fn view(&self) -> View {
         let camera = self.viewer.pose.camera(&self.viewer.lens);
-        let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.tolerance);
-        let view = if self.geomorphs { view } else { view.without_geomorphs() };
-        if self.orientation {
+        let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.choices.tolerance);
+        let view = if self.choices.geomorphs { view } else { view.without_geomorphs() };
+        if self.choices.orientation {
             view.with_orientation(self.scene.planet().ground_radius())
         } else {
             view
         }
     }
 
-    fn text(&mut self) -> String {
-        let status = Status {
-            altitude_m: self.viewer.altitude(&DrawnSurface::of_scene(&self.scene)),
+    /// What the interface says of this frame.
+    fn facts(&self) -> Facts {
+        let (pose, recipe, tally) = (&self.viewer.pose, &self.scene.planet().recipe, self.scene.tally());
+        let (latitude, longitude) = latitude_longitude(pose.up());
+        let mut levels = Vec::new();
+        for patch in self.tables.iter().flat_map(|tables| &tables.patches) {
+            let level = patch.level as usize;
+            levels.resize(levels.len().max(level + 1), 0);
+            levels[level] += 1;
+        }
+        Facts {
+            planet: recipe.name.clone(),
+            site: [latitude, longitude],
+            height_m: pose.position.length() - recipe.radius,
+            altitude_m: self.viewer.altitude(&self.surface()),
+            ground_m: self.scene.ground().height_at(pose.up()),
+            look: [pose.heading().to_degrees(), pose.pitch.to_degrees()],
+            fov: self.viewer.lens.fov.to_degrees(),
+            manner: self.viewer.manner(),
+            speed: self.viewer.speed,
+            places: self.viewer.history.has(),
+            has: [recipe.atmosphere.is_some(), recipe.sea.is_some(), recipe.clouds.is_some()],
             counters: self.counters,
-            patches: self.tables.as_ref().map_or(0, |tables| tables.patches.len()),
+            prefix_vertices: self.tables.as_ref().map_or(0, |tables| tables.vertices),
+            levels,
             pending: self.scene.pending(),
-            allocated: self.context.allocated_bytes(),
+            read: tally.read,
+            built: tally.built,
             bytes: [self.scene.gpu_bytes(), self.scene.host_bytes()],
+            allocated: self.context.allocated_bytes(),
+            stages: self.stages,
             density: self.density,
-            device: &self.context.device_info().name,
-            flying: self.viewer.flying,
-            geomorphs: self.geomorphs,
+            device: self.context.device_info().name.clone(),
             frozen: self.selection != Selection::Follows,
-            mode: self.look.mode,
-        };
-        self.overlay.text(&status)
+        }
     }
 
-    /// Draws the frame once more without the text, waits for it, and hands it to `save`.
-    fn save_screenshot(&mut self, size: (u32, u32), save: &mut SaveScreenshot) -> Result<(), AppError> {
-        let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-        let image = Image::new(&self.context, &ImageDescription::new("screenshot", size, self.swapchain.format(), usage))?;
-        Commands::once(&self.context, "screenshot", |commands| {
-            self.renderer.record_picture(commands, &self.scene, &self.look, image.view())
-        })?;
-        let pixels = capture(&self.context, &image, (0, 0), Access::ColorTarget)?.to_rgba8()?;
-        let said = save([size.0, size.1], &pixels, &self.view_line()).unwrap_or_else(|problem| problem);
+    /// Waits for the latest picture and hands it to `save`, with the interface over it if that was wanted.
+    fn save_screenshot(&mut self, wanted: Screenshot, gui: GuiFrame, save: &mut SaveScreenshot) -> Result<(), AppError> {
+        let Some(picture) = &self.picture else { return Ok(()) };
+        let (width, height) = picture.size();
+        let captured = match wanted {
+            Screenshot::Picture => capture(&self.context, picture, (0, 0), Access::TransferRead)?,
+            Screenshot::Window => {
+                // The interface is recorded once more, into buffers of a frame that may be under way.
+                self.context.wait_idle()?;
+                let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
+                let image =
+                    Image::new(&self.context, &ImageDescription::new("screenshot", (width, height), picture.format(), usage))?;
+                let gui = GuiFrame { images: TexturesDelta::default(), ..gui };
+                Commands::once(&self.context, "screenshot", |commands| {
+                    commands.found(picture.view(), Access::TransferRead);
+                    commands.ready(&[picture.view().to(Access::TransferRead), image.view().anew(Access::TransferWrite)])?;
+                    commands.copy_to_view(picture, image.view())?;
+                    self.interface.record(commands, image.view(), &gui)
+                })?;
+                capture(&self.context, &image, (0, 0), Access::ColorTarget)?
+            }
+        };
+        let said = save([width, height], &captured.to_rgba8()?, &self.view_line()).unwrap_or_else(|problem| problem);
         tracing::info!("{said}");
-        self.overlay.say(said);
+        self.panel.say(said);
         Ok(())
     }
 }

@@ -30,8 +30,16 @@ impl FlyCamera {
         self.pace != DVec3::ZERO
     }
 
-    /// Moves the viewer for `seconds`. `wish` says where to: right, up and ahead, each from -1 to 1.
-    pub(super) fn step(&mut self, pose: &mut Pose, wish: DVec3, hurry: bool, seconds: f64, surface: &dyn Surface) {
+    /// Moves the viewer for `seconds`, at a factor of the usual speed. The wish says where to, right, up and ahead, each from -1 to 1, and
+    /// whether to hurry.
+    pub(super) fn step(
+        &mut self,
+        pose: &mut Pose,
+        (wish, hurry): (DVec3, bool),
+        speed: f64,
+        seconds: f64,
+        surface: &dyn Surface,
+    ) {
         let wish = wish.clamp_length_max(1.0) * if hurry { HURRY } else { 1.0 };
         if wish == DVec3::ZERO && self.pace.length() < STILL {
             self.pace = DVec3::ZERO;
@@ -41,7 +49,7 @@ impl FlyCamera {
         let part = seconds / steps;
         for _ in 0..steps as u32 {
             self.pace += (wish - self.pace) * (1.0 - (-RESPONSE * part).exp());
-            let speed = (pose.altitude(surface) * SPEED_PER_ALTITUDE).max(LEAST_SPEED);
+            let speed = (pose.altitude(surface) * SPEED_PER_ALTITUDE).max(LEAST_SPEED) * speed;
             let (sine, cosine) = pose.pitch.sin_cos();
             let (up, ahead) = (pose.up(), pose.ahead);
             let forward = ahead * cosine + up * sine;
@@ -61,7 +69,7 @@ mod tests {
     fn flown(steps: usize, wish: DVec3) -> Pose {
         let mut viewer = pose(5000.0, 30.0, -10.0);
         let mut camera = FlyCamera::default();
-        (0..steps).for_each(|_| camera.step(&mut viewer, wish, false, 2.0 / steps as f64, &Ball));
+        (0..steps).for_each(|_| camera.step(&mut viewer, (wish, false), 1.0, 2.0 / steps as f64, &Ball));
         viewer
     }
 
@@ -78,7 +86,7 @@ mod tests {
         let mut viewer = pose(50.0, 0.0, -60.0);
         let mut camera = FlyCamera::default();
         for _ in 0..100 {
-            camera.step(&mut viewer, DVec3::Z, true, 0.2, &Ball);
+            camera.step(&mut viewer, (DVec3::Z, true), 1.0, 0.2, &Ball);
             assert!(viewer.altitude(&Ball) >= CLEARANCE_M - 1e-6);
         }
         assert!((viewer.altitude(&Ball) - CLEARANCE_M).abs() < 1e-6);

@@ -1,40 +1,41 @@
-//! What the keys do, in one table for the handler and for the help.
+//! What the keys do: one table for the handler, for the help, and for the file that changes it.
+//!
+//! In: a TOML file such as `terrane fly --keys` prints. Out: which command or motion a key stands for.
 
+use super::chord::Chord;
 use glam::DVec3;
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
+use std::fmt::Write as _;
 use terrane_planet::draw::layout::Mode;
-use winit::keyboard::{Key, KeyCode, NamedKey, PhysicalKey};
+use thiserror::Error;
+use winit::keyboard::{Key, KeyCode, ModifiersState, PhysicalKey};
 
-/// The help, as the overlay shows it.
-pub const HELP: &str = "\
-F1           show or hide this help
-Esc          quit
-Tab          orbit, or free flight
-drag         orbit: move the ground; free flight: look around
-right drag   look around
-wheel, + -   orbit: zoom
-WASD, Q E    free flight: move; down and up (also Ctrl and Space)
-Shift        free flight: faster
-1 to 6       shaded, wire, levels, normals, albedo, depth
-M            the next of them
-F, L         wire, levels: on and off
-C            copy the view as text: for shot, fly and record --view
-K            clouds: on and off
-G            geomorphs: on and off
-Z            freeze the selection, to look at it from elsewhere
-P, F12       save a picture
-[ ]          move the sun
-";
-
-/// What a key press asks for.
+/// What a key press, or a button of the panel, asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Command {
-    /// End the program.
+    /// Close what is open, or end the program.
     Quit,
     /// Show or hide the help.
     Help,
-    /// The other camera.
+    /// Show or hide the panel.
+    Panel,
+    /// Show or hide everything but the picture.
+    Hide,
+    /// Type where to go.
+    GoTo,
+    /// The next of the cameras.
     SwitchCamera,
+    /// Fly back to where the window began.
+    Home,
+    /// Turn towards north.
+    North,
+    /// Look at the horizon.
+    Horizon,
+    /// Fly to the place before, or to the one after it.
+    Back,
+    Forward,
+    /// Remember this view.
+    Bookmark,
     /// A mode.
     Show(Mode),
     /// The next mode.
@@ -49,55 +50,268 @@ pub(super) enum Command {
     Geomorphs,
     /// Freeze or thaw the selection.
     Freeze,
-    /// Save a picture.
-    Screenshot,
+    /// Save a picture; with the interface in it, if `true`.
+    Screenshot(bool),
+    /// Fill the screen, or no longer.
+    Fullscreen,
     /// Move the sun by steps along its daily course.
     Sun(f64),
     /// Zoom by notches.
     Zoom(f64),
 }
 
-/// Keys that are held to move. Positions on the keyboard, not letters.
-fn is_movement(code: KeyCode) -> bool {
-    use KeyCode as K;
-    matches!(code, K::KeyW | K::KeyA | K::KeyS | K::KeyD | K::KeyQ | K::KeyE | K::Space)
-        || matches!(code, K::ControlLeft | K::ControlRight | K::ShiftLeft | K::ShiftRight)
+/// Where keys that are held move the viewer.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Motion {
+    Ahead,
+    Behind,
+    Left,
+    Right,
+    Up,
+    Down,
+    Hurry,
 }
 
-/// What pressing a key asks for, if anything. Digits go by their position, because not all keyboards type them unshifted.
-pub(super) fn command(physical: PhysicalKey, logical: &Key) -> Option<Command> {
-    if let PhysicalKey::Code(code) = physical {
-        let digits = [KeyCode::Digit1, KeyCode::Digit2, KeyCode::Digit3, KeyCode::Digit4, KeyCode::Digit5, KeyCode::Digit6];
-        if let Some(number) = digits.iter().position(|digit| *digit == code) {
-            return Some(Command::Show(Mode::ALL[number]));
-        }
-        match code {
-            KeyCode::BracketLeft => return Some(Command::Sun(-1.0)),
-            KeyCode::BracketRight => return Some(Command::Sun(1.0)),
-            _ if is_movement(code) => return None,
-            _ => {}
+/// Something that keys can do: its name in files, its keys unless a file says otherwise, and what it is in words.
+struct Action<T> {
+    name: &'static str,
+    keys: &'static [&'static str],
+    words: &'static str,
+    does: T,
+}
+
+const fn action<T>(name: &'static str, keys: &'static [&'static str], words: &'static str, does: T) -> Action<T> {
+    Action { name, keys, words, does }
+}
+
+const COMMANDS: [Action<Command>; 32] = [
+    action("help", &["F1"], "show or hide this list", Command::Help),
+    action("panel", &["F2"], "show or hide the panel", Command::Panel),
+    action("hide", &["F3"], "show or hide everything but the picture", Command::Hide),
+    action("go_to", &["G"], "go to a place: latitude and longitude, a height, or a view", Command::GoTo),
+    action("camera", &["Tab"], "orbit, free flight, or walk", Command::SwitchCamera),
+    action("home", &["Home"], "fly back to where the window began", Command::Home),
+    action("north", &["N"], "turn towards north", Command::North),
+    action("horizon", &["H"], "look at the horizon", Command::Horizon),
+    action("back", &["Alt+ArrowLeft", "Backspace"], "fly to the place before", Command::Back),
+    action("forward", &["Alt+ArrowRight"], "fly to the place after it", Command::Forward),
+    action("bookmark", &["B"], "remember this view", Command::Bookmark),
+    action("copy_view", &["C"], "copy the view as text: for shot, fly and record --view", Command::CopyView),
+    action("picture", &["P", "F12"], "save a picture", Command::Screenshot(false)),
+    action("picture_of_window", &["Shift+P"], "save a picture with panel and text in it", Command::Screenshot(true)),
+    action("fullscreen", &["F11"], "fill the screen, or no longer", Command::Fullscreen),
+    action("shaded", &["Digit1"], "the ground as it looks", Command::Show(Mode::Shaded)),
+    action("wire", &["Digit2"], "triangles", Command::Show(Mode::Wire)),
+    action("levels", &["Digit3"], "levels of patches", Command::Show(Mode::Levels)),
+    action("normals", &["Digit4"], "normals", Command::Show(Mode::Normals)),
+    action("albedo", &["Digit5"], "albedo", Command::Show(Mode::Albedo)),
+    action("depth", &["Digit6"], "depth", Command::Show(Mode::Depth)),
+    action("next_mode", &["M"], "the next of them", Command::ShowNext),
+    action("toggle_wire", &["F"], "triangles on and off", Command::Toggle(Mode::Wire)),
+    action("toggle_levels", &["L"], "levels on and off", Command::Toggle(Mode::Levels)),
+    action("clouds", &["K"], "clouds on and off", Command::Clouds),
+    action("geomorphs", &["T"], "geomorphs on and off", Command::Geomorphs),
+    action("freeze", &["Z"], "freeze the selection, to look at it from elsewhere", Command::Freeze),
+    action("sun_earlier", &["BracketLeft"], "move the sun back", Command::Sun(-1.0)),
+    action("sun_later", &["BracketRight"], "move the sun on", Command::Sun(1.0)),
+    action("zoom_in", &["+", "="], "orbit: come nearer", Command::Zoom(1.0)),
+    action("zoom_out", &["-"], "orbit: go away", Command::Zoom(-1.0)),
+    action("quit", &["Escape"], "close what is open, or the window", Command::Quit),
+];
+
+const MOTIONS: [Action<Motion>; 7] = [
+    action("ahead", &["KeyW", "ArrowUp"], "free flight, walk: move ahead", Motion::Ahead),
+    action("behind", &["KeyS", "ArrowDown"], "back", Motion::Behind),
+    action("left", &["KeyA", "ArrowLeft"], "to the left", Motion::Left),
+    action("right", &["KeyD", "ArrowRight"], "to the right", Motion::Right),
+    action("up", &["KeyE", "Space"], "up", Motion::Up),
+    action("down", &["KeyQ"], "down", Motion::Down),
+    action("hurry", &["ShiftLeft", "ShiftRight"], "faster", Motion::Hurry),
+];
+
+/// What the mouse does.
+pub(super) const MOUSE: [(&str, &str); 5] = [
+    ("drag", "orbit: move the ground; free flight, walk: look around"),
+    ("right drag", "look around"),
+    ("double click", "fly to what is there"),
+    ("wheel", "orbit: zoom to the cursor; free flight, walk: speed"),
+    ("drop a file", "open a planet or a view"),
+];
+
+/// Why a file of keys cannot be used.
+#[derive(Debug, Error)]
+pub enum KeysError {
+    /// It is no TOML of the right shape.
+    #[error("not a table of keys: {0}; `terrane fly --keys` prints one")]
+    Shape(#[from] toml::de::Error),
+    /// Nothing is called that.
+    #[error("'{name}' is nothing that keys do, expected one of {expected}")]
+    Name {
+        /// What was found.
+        name: String,
+        /// All names.
+        expected: String,
+    },
+    /// There is no such key.
+    #[error("{name}: '{found}' is no key, expected {expected}")]
+    Key {
+        /// For what.
+        name: String,
+        /// What was found.
+        found: String,
+        /// What it can be.
+        expected: &'static str,
+    },
+    /// A key for two things.
+    #[error("'{key}' is given to both {first} and {second}; take it from one of them")]
+    Twice {
+        /// The key.
+        key: String,
+        /// What it does.
+        first: &'static str,
+        /// What it was to do, too.
+        second: &'static str,
+    },
+}
+
+/// Which key does what.
+#[derive(Clone, Debug)]
+pub struct Keys {
+    commands: Vec<(Chord, Command)>,
+    motions: Vec<(KeyCode, Motion)>,
+    /// The keys of every name, in the order of the tables.
+    named: Vec<(&'static str, Vec<String>, &'static str)>,
+}
+
+impl Default for Keys {
+    fn default() -> Keys {
+        // The tables are right: a test looks at them.
+        Keys::of(&BTreeMap::new()).unwrap_or(Keys { commands: Vec::new(), motions: Vec::new(), named: Vec::new() })
+    }
+}
+
+impl Keys {
+    /// The usual keys, but for what a TOML file says otherwise: lists of keys by name.
+    ///
+    /// # Errors
+    /// A name or a key that does not exist, or a key with two meanings.
+    pub fn from_toml(text: &str) -> Result<Keys, KeysError> {
+        let changed: BTreeMap<String, Vec<String>> = toml::from_str(text)?;
+        let names: Vec<&str> = COMMANDS.iter().map(|a| a.name).chain(MOTIONS.iter().map(|a| a.name)).collect();
+        match changed.keys().find(|name| !names.contains(&name.as_str())) {
+            Some(name) => Err(KeysError::Name { name: name.clone(), expected: names.join(", ") }),
+            None => Keys::of(&changed),
         }
     }
-    match logical {
-        Key::Named(NamedKey::Escape) => Some(Command::Quit),
-        Key::Named(NamedKey::F1) => Some(Command::Help),
-        Key::Named(NamedKey::Tab) => Some(Command::SwitchCamera),
-        Key::Named(NamedKey::F12) => Some(Command::Screenshot),
-        Key::Character(text) => match text.to_lowercase().as_str() {
-            "m" => Some(Command::ShowNext),
-            "f" => Some(Command::Toggle(Mode::Wire)),
-            "l" => Some(Command::Toggle(Mode::Levels)),
-            "c" => Some(Command::CopyView),
-            "k" => Some(Command::Clouds),
-            "g" => Some(Command::Geomorphs),
-            "z" => Some(Command::Freeze),
-            "p" => Some(Command::Screenshot),
-            "+" | "=" => Some(Command::Zoom(1.0)),
-            "-" => Some(Command::Zoom(-1.0)),
-            _ => None,
-        },
-        _ => None,
+
+    fn of(changed: &BTreeMap<String, Vec<String>>) -> Result<Keys, KeysError> {
+        let mut keys = Keys { commands: Vec::new(), motions: Vec::new(), named: Vec::new() };
+        let written = |name: &str, usual: &[&str]| {
+            changed.get(name).cloned().unwrap_or_else(|| usual.iter().map(|key| (*key).to_owned()).collect())
+        };
+        let wrong =
+            |name: &str, found: &str, expected| KeysError::Key { name: name.to_owned(), found: found.to_owned(), expected };
+        for Action { name, keys: usual, words, does } in &COMMANDS {
+            let list = written(name, usual);
+            for key in &list {
+                let chord: Chord = key.parse().map_err(|expected| wrong(name, key, expected))?;
+                keys.commands.push((chord, *does));
+            }
+            keys.named.push((name, list, words));
+        }
+        for Action { name, keys: usual, words, does } in &MOTIONS {
+            let list = written(name, usual);
+            for key in &list {
+                let code =
+                    Chord::position(key).ok_or_else(|| wrong(name, key, "a position on the keyboard such as KeyW or ArrowUp"))?;
+                keys.motions.push((code, *does));
+            }
+            keys.named.push((name, list, words));
+        }
+        keys.check_once()?;
+        Ok(keys)
     }
+
+    fn check_once(&self) -> Result<(), KeysError> {
+        let mut seen: BTreeMap<String, &'static str> = BTreeMap::new();
+        for (name, keys, _) in &self.named {
+            for key in keys {
+                if let Some(first) = seen.insert(key.to_lowercase(), name) {
+                    return Err(KeysError::Twice { key: key.clone(), first, second: name });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// The keys as a TOML file, with what each does beside it.
+    pub fn to_toml(&self) -> String {
+        let mut text = String::from(
+            "# Keys of terrane fly. Letters stand for what a key types, names such as KeyW for its place on a keyboard of the United States;\n\
+             # Ctrl+, Shift+ and Alt+ may go before. An empty list takes all keys away.\n",
+        );
+        for (name, keys, words) in &self.named {
+            let list: Vec<String> = keys.iter().map(|key| format!("{key:?}")).collect();
+            let _ = writeln!(text, "{:<42} # {words}", format!("{name} = [{}]", list.join(", ")));
+        }
+        text
+    }
+
+    /// Keys and what they do, as rows; the mouse after them.
+    pub(super) fn rows(&self) -> impl Iterator<Item = (String, &'static str)> + '_ {
+        let keys = self.named.iter().filter(|(_, keys, _)| !keys.is_empty());
+        let keys = keys.map(|(_, keys, words)| (keys.iter().map(|key| key_name(key)).collect::<Vec<_>>().join(", "), *words));
+        keys.chain(MOUSE.iter().map(|(what, words)| ((*what).to_owned(), *words)))
+    }
+
+    /// The keys as text of two columns.
+    pub fn help(&self) -> String {
+        self.rows().fold(String::new(), |text, (keys, words)| format!("{text}{keys:<26} {words}\n"))
+    }
+
+    /// The keys of a command, such as `F2`.
+    pub(super) fn of_command(&self, command: Command) -> String {
+        let at = COMMANDS.iter().position(|action| action.does == command);
+        at.and_then(|at| self.named.get(at))
+            .map_or(String::new(), |(_, keys, _)| keys.iter().map(|key| key_name(key)).collect::<Vec<_>>().join(", "))
+    }
+
+    /// What pressing a key asks for, if anything.
+    pub(super) fn command(&self, physical: PhysicalKey, logical: &Key, held: ModifiersState) -> Option<Command> {
+        let fits = |chord: &Chord| chord.fits(physical, logical, held);
+        let all = self.commands.iter().filter(|(chord, _)| fits(chord));
+        // With Shift held, what asks for it goes first; else Shift only hurries.
+        all.max_by_key(|(chord, _)| chord.asks_for_shift()).map(|(_, command)| *command)
+    }
+
+    fn motion(&self, code: KeyCode) -> Option<Motion> {
+        self.motions.iter().find(|(key, _)| *key == code).map(|(_, motion)| *motion)
+    }
+
+    /// Where held keys move: right, up and ahead, each from -1 to 1.
+    pub(super) fn wish(&self, held: &Held) -> DVec3 {
+        let any = |motion: Motion| f64::from(u8::from(held.0.iter().any(|code| self.motion(*code) == Some(motion))));
+        DVec3::new(
+            any(Motion::Right) - any(Motion::Left),
+            any(Motion::Up) - any(Motion::Down),
+            any(Motion::Ahead) - any(Motion::Behind),
+        )
+    }
+
+    /// Whether held keys hurry.
+    pub(super) fn hurries(&self, held: &Held) -> bool {
+        held.0.iter().any(|code| self.motion(*code) == Some(Motion::Hurry))
+    }
+}
+
+/// A key as the help calls it.
+fn key_name(key: &str) -> String {
+    key.replace("BracketLeft", "[")
+        .replace("BracketRight", "]")
+        .replace("Arrow", "")
+        .replace("Key", "")
+        .replace("Digit", "")
+        .replace("Escape", "Esc")
 }
 
 /// The mode after another.
@@ -114,7 +328,7 @@ impl Held {
     /// Notes a key going down or up.
     pub(super) fn set(&mut self, physical: PhysicalKey, down: bool) {
         let PhysicalKey::Code(code) = physical else { return };
-        if down && is_movement(code) {
+        if down {
             self.0.insert(code);
         } else {
             self.0.remove(&code);
@@ -125,52 +339,77 @@ impl Held {
     pub(super) fn clear(&mut self) {
         self.0.clear();
     }
-
-    /// Where to: right, up and ahead, each from -1 to 1.
-    pub(super) fn wish(&self) -> DVec3 {
-        use KeyCode as K;
-        let any = |keys: &[K]| f64::from(u8::from(keys.iter().any(|key| self.0.contains(key))));
-        DVec3::new(
-            any(&[K::KeyD]) - any(&[K::KeyA]),
-            any(&[K::KeyE, K::Space]) - any(&[K::KeyQ, K::ControlLeft, K::ControlRight]),
-            any(&[K::KeyW]) - any(&[K::KeyS]),
-        )
-    }
-
-    /// Whether to hurry.
-    pub(super) fn hurry(&self) -> bool {
-        self.0.contains(&KeyCode::ShiftLeft) || self.0.contains(&KeyCode::ShiftRight)
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use winit::keyboard::NamedKey;
+
+    const NONE: ModifiersState = ModifiersState::empty();
+
+    fn typed(keys: &Keys, code: KeyCode, text: &str, held: ModifiersState) -> Option<Command> {
+        keys.command(PhysicalKey::Code(code), &Key::Character(text.into()), held)
+    }
+
+    #[test]
+    fn the_usual_keys_are_all_there_and_come_back_from_their_file() {
+        let keys = Keys::default();
+        assert_eq!(keys.named.len(), COMMANDS.len() + MOTIONS.len());
+        assert_eq!(Keys::from_toml(&keys.to_toml()).unwrap().named, keys.named);
+    }
 
     #[test]
     fn every_mode_has_a_key_and_cycling_visits_all() {
-        let digit = |code| command(PhysicalKey::Code(code), &Key::Character("&".into()));
-        assert_eq!(digit(KeyCode::Digit6), Some(Command::Show(Mode::Depth)));
+        let keys = Keys::default();
+        assert_eq!(typed(&keys, KeyCode::Digit6, "&", NONE), Some(Command::Show(Mode::Depth)));
         let visited: Vec<Mode> = std::iter::successors(Some(Mode::Shaded), |mode| Some(next_mode(*mode))).take(7).collect();
         assert_eq!((&visited[..6], visited[6]), (Mode::ALL, Mode::Shaded));
     }
 
     #[test]
-    fn keys_that_move_command_nothing_whatever_they_type() {
-        assert_eq!(command(PhysicalKey::Code(KeyCode::KeyW), &Key::Character("z".into())), None);
-        assert_eq!(command(PhysicalKey::Code(KeyCode::KeyY), &Key::Character("z".into())), Some(Command::Freeze));
+    fn letters_go_by_what_they_type_and_shift_means_something_only_where_it_is_asked_for() {
+        let keys = Keys::default();
+        assert_eq!(typed(&keys, KeyCode::KeyY, "z", NONE), Some(Command::Freeze));
+        assert_eq!(typed(&keys, KeyCode::KeyY, "Z", ModifiersState::SHIFT), Some(Command::Freeze));
+        assert_eq!(typed(&keys, KeyCode::KeyP, "P", ModifiersState::SHIFT), Some(Command::Screenshot(true)));
+        assert_eq!(typed(&keys, KeyCode::KeyP, "p", NONE), Some(Command::Screenshot(false)));
+        assert_eq!(typed(&keys, KeyCode::KeyP, "p", ModifiersState::CONTROL), None);
+        let arrow = |held| keys.command(PhysicalKey::Code(KeyCode::ArrowLeft), &Key::Named(NamedKey::ArrowLeft), held);
+        assert_eq!((arrow(NONE), arrow(ModifiersState::ALT)), (None, Some(Command::Back)));
+    }
+
+    #[test]
+    fn a_file_changes_what_it_names_and_nothing_else() {
+        let keys = Keys::from_toml("freeze = [\"X\"]\nahead = [\"KeyZ\"]\n").unwrap();
+        assert_eq!(typed(&keys, KeyCode::KeyX, "x", NONE), Some(Command::Freeze));
+        assert_eq!(typed(&keys, KeyCode::KeyZ, "z", NONE), None);
+        assert_eq!(typed(&keys, KeyCode::KeyN, "n", NONE), Some(Command::North));
+        let mut held = Held::default();
+        held.set(PhysicalKey::Code(KeyCode::KeyZ), true);
+        assert_eq!(keys.wish(&held), DVec3::Z);
+    }
+
+    #[test]
+    fn a_file_that_cannot_be_meant_is_refused_with_what_is_wrong() {
+        let message = |text: &str| Keys::from_toml(text).unwrap_err().to_string();
+        assert!(message("freeze = 3").contains("not a table of keys"));
+        assert!(message("frieze = []").contains("'frieze' is nothing that keys do"));
+        assert!(message("freeze = [\"Hyper+Z\"]").contains("'Hyper+Z' is no key"));
+        assert!(message("ahead = [\"w\"]").contains("a position on the keyboard"));
+        assert!(message("freeze = [\"n\"]").contains("given to both north and freeze"), "{}", message("freeze = [\"n\"]"));
     }
 
     #[test]
     fn held_keys_add_up_and_cancel() {
-        let mut held = Held::default();
+        let (keys, mut held) = (Keys::default(), Held::default());
         for code in [KeyCode::KeyW, KeyCode::KeyD, KeyCode::KeyA, KeyCode::ShiftLeft] {
             held.set(PhysicalKey::Code(code), true);
         }
-        assert_eq!((held.wish(), held.hurry()), (DVec3::Z, true));
+        assert_eq!((keys.wish(&held), keys.hurries(&held)), (DVec3::Z, true));
         held.set(PhysicalKey::Code(KeyCode::KeyA), false);
-        assert_eq!(held.wish(), DVec3::new(1.0, 0.0, 1.0));
+        assert_eq!(keys.wish(&held), DVec3::new(1.0, 0.0, 1.0));
         held.clear();
-        assert_eq!((held.wish(), held.hurry()), (DVec3::ZERO, false));
+        assert_eq!((keys.wish(&held), keys.hurries(&held)), (DVec3::ZERO, false));
     }
 }

@@ -3,20 +3,29 @@
 //! In: a planet file, where to begin, and a way to save pictures. Out: a window until it is closed, then a [`FlyReport`]. Events come
 //! in here; [`flight`](self) draws, `viewer` moves, `keys` says which key does what.
 
+mod choices;
+mod chord;
+mod destination;
+mod facts;
 mod flight;
 mod fly_camera;
+mod history;
+mod interface;
+mod journey;
 mod keys;
 mod ledger;
 mod orbit_camera;
-mod overlay;
+mod orders;
 mod pacing;
+mod panel;
 mod playback;
 mod pose;
 mod surface;
 mod view_line;
 mod viewer;
+mod walk_camera;
 
-pub use keys::HELP;
+pub use keys::{Keys, KeysError};
 pub use pacing::{Scale, DENSITIES};
 pub use playback::FlyFrame;
 
@@ -39,6 +48,7 @@ use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
 use winit::event_loop::{ActiveEventLoop, ControlFlow, EventLoop};
+use winit::keyboard::{Key, ModifiersState};
 use winit::window::{Window, WindowId};
 
 /// How long to wait before another try when a window has nothing to draw to.
@@ -76,8 +86,14 @@ pub enum AppError {
 /// Saves a picture: size, RGBA bytes row by row, and the view. Returns what to tell the user, in either case.
 pub type SaveScreenshot = Box<dyn FnMut([u32; 2], &[u8], &ViewLine) -> Result<String, String>>;
 
-/// Hands a view to the user as text. Returns what to tell them.
-pub type CopyView = Box<dyn FnMut(&ViewLine) -> String>;
+/// The clipboard, where there is one.
+pub trait Clipboard {
+    /// Hands text to the user. Returns what to tell them of it.
+    fn copy(&mut self, text: &str) -> String;
+
+    /// What the user has copied.
+    fn paste(&mut self) -> Option<String>;
+}
 
 /// How to fly.
 pub struct FlyOptions {
@@ -99,6 +115,8 @@ pub struct FlyOptions {
     pub scale: Option<Scale>,
     /// Most frames a second; those of the screen if `None`.
     pub most_fps: Option<f64>,
+    /// Which key does what.
+    pub keys: Keys,
     /// A path to play from the beginning.
     pub path: Option<CameraPath>,
     /// Standing for so long at the path's end closes the window, and the frames until then are reported.
@@ -109,8 +127,8 @@ pub struct FlyOptions {
     pub view: ViewLine,
     /// Takes screenshots.
     pub save: SaveScreenshot,
-    /// Takes views as text.
-    pub copy: CopyView,
+    /// Takes views as text, and what is copied from text fields.
+    pub clipboard: Box<dyn Clipboard>,
 }
 
 /// What a flight was.
@@ -131,7 +149,15 @@ pub struct FlyReport {
 /// # Errors
 /// No window system, no usable GPU, a damaged planet file, or device loss.
 pub fn fly(options: FlyOptions) -> (FlyReport, Result<(), AppError>) {
-    let mut app = App { options, flight: None, report: FlyReport::default(), error: None, hidden: false, retry_at: None };
+    let mut app = App {
+        options,
+        flight: None,
+        report: FlyReport::default(),
+        error: None,
+        hidden: false,
+        retry_at: None,
+        modifiers: ModifiersState::empty(),
+    };
     let ended = EventLoop::new().map_err(|error| no_window_system(&error)).and_then(|events| {
         let ended = events.run_app(&mut app);
         ended.map_err(|error| AppError::Window { reason: error.to_string() })
@@ -157,6 +183,8 @@ struct App {
     hidden: bool,
     /// Set while the window has nothing to draw to.
     retry_at: Option<Instant>,
+    /// Keys that are held beside others.
+    modifiers: ModifiersState,
 }
 
 impl App {
@@ -179,40 +207,56 @@ impl App {
         let Some(flight) = &mut self.flight else { return };
         match flight.draw(&mut self.options.save) {
             Ok(drawn) => self.retry_at = (!drawn).then(|| Instant::now() + RETRY),
-            Err(error) => self.fail(events, error),
+            Err(error) => return self.fail(events, error),
+        }
+        for text in flight.copied.drain(..) {
+            self.options.clipboard.copy(&text);
+        }
+        for command in std::mem::take(&mut flight.wishes) {
+            self.obey(events, command);
+        }
+    }
+
+    fn obey(&mut self, events: &ActiveEventLoop, command: Command) {
+        let Some(flight) = &mut self.flight else { return };
+        match command {
+            Command::Quit if flight.panel.close() => flight.touch_interface(),
+            Command::Quit => events.exit(),
+            Command::CopyView => {
+                let said = self.options.clipboard.copy(&flight.view_line().to_string());
+                flight.panel.say(said);
+                flight.touch_interface();
+            }
+            _ => flight.obey(command),
         }
     }
 
     fn key(&mut self, events: &ActiveEventLoop, event: &KeyEvent) {
         let Some(flight) = &mut self.flight else { return };
         let down = event.state == ElementState::Pressed;
-        flight.viewer.held.set(event.physical_key, down);
-        flight.touch();
-        match keys::command(event.physical_key, &event.logical_key).filter(|_| down) {
-            Some(Command::Quit) => events.exit(),
-            Some(Command::CopyView) if !event.repeat => {
-                let said = (self.options.copy)(&flight.view_line());
-                flight.overlay.say(said);
-            }
-            // Holding a key repeats only what is gradual.
-            Some(command @ (Command::Sun(_) | Command::Zoom(_))) => flight.obey(command),
-            Some(command) if !event.repeat => flight.obey(command),
-            _ => {}
+        let combined = self.modifiers.intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER);
+        flight.viewer.held.set(event.physical_key, down && !combined);
+        flight.touch_interface();
+        let command = flight.viewer.keys.command(event.physical_key, &event.logical_key, self.modifiers).filter(|_| down);
+        // Holding a key repeats only what is gradual.
+        let repeats = matches!(command, Some(Command::Sun(_) | Command::Zoom(_)));
+        if let Some(command) = command.filter(|_| repeats || !event.repeat) {
+            self.obey(events, command);
         }
     }
 
     fn mouse(&mut self, event: &WindowEvent) {
         let Some(flight) = &mut self.flight else { return };
-        let surface = &DrawnSurface::of_scene(&flight.scene);
+        let (now, surface) = (Instant::now(), &DrawnSurface::of_scene(&flight.scene, flight.choices.look.sea));
         match event {
-            WindowEvent::CursorMoved { position, .. } => flight.viewer.point([position.x, position.y], surface),
+            WindowEvent::CursorMoved { position, .. } => flight.viewer.point([position.x, position.y], now, surface),
             WindowEvent::MouseInput { state, button, .. } => {
                 let button = match button {
                     MouseButton::Left => Button::Left,
                     MouseButton::Right | MouseButton::Middle => Button::Right,
                     _ => return,
                 };
-                flight.viewer.press(button, *state == ElementState::Pressed, surface);
+                flight.viewer.press(button, *state == ElementState::Pressed, now, surface);
             }
             WindowEvent::MouseWheel { delta, .. } => flight.viewer.wheel(match delta {
                 MouseScrollDelta::LineDelta(_, lines) => f64::from(*lines),
@@ -221,6 +265,13 @@ impl App {
             _ => {}
         }
     }
+}
+
+/// Whether an event is Ctrl+V going down.
+fn is_paste(event: &WindowEvent, held: ModifiersState) -> bool {
+    let WindowEvent::KeyboardInput { event, .. } = event else { return false };
+    let v = matches!(&event.logical_key, Key::Character(text) if text.eq_ignore_ascii_case("v"));
+    v && held.control_key() && event.state == ElementState::Pressed
 }
 
 impl ApplicationHandler for App {
@@ -235,11 +286,24 @@ impl ApplicationHandler for App {
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
+        if event != WindowEvent::RedrawRequested {
+            if let Some(flight) = &mut self.flight {
+                flight.touch_interface();
+                let pasted = flight.interface.is_typing() && is_paste(&event, self.modifiers);
+                if pasted {
+                    self.options.clipboard.paste().into_iter().for_each(|text| flight.interface.paste(text));
+                }
+                if pasted || flight.interface.takes(&event) {
+                    return;
+                }
+            }
+        }
         match &event {
             WindowEvent::CloseRequested => events.exit(),
             WindowEvent::RedrawRequested => self.redraw(events),
             WindowEvent::Occluded(hidden) => self.hidden = *hidden,
             WindowEvent::KeyboardInput { event, .. } => self.key(events, event),
+            WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::Resized(size) => {
                 if let Some(flight) = &mut self.flight {
                     flight.resize(size.width, size.height);

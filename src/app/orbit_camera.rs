@@ -4,6 +4,7 @@
 use super::pose::{meet_sphere, Lens, Pose};
 use super::surface::Surface;
 use glam::DVec3;
+use std::time::Instant;
 
 /// How much of the way down or up one notch of the wheel goes, as a logarithm of altitude.
 const ZOOM_PER_NOTCH: f64 = 0.2;
@@ -20,10 +21,23 @@ const TILT_ALTITUDES: (f64, f64) = (150.0, 0.4);
 /// How fast a zoom draws the pitch to where it tends: a rate over the logarithm of altitude.
 const TILT_RATE: f64 = 0.6;
 
+/// Rate at which ground that was thrown comes to rest.
+const FRICTION: f64 = 3.0;
+/// Radians a second, for each metre of altitude and radius of the planet, below which it is at rest.
+const AT_REST: f64 = 0.01;
+/// Seconds since the last motion of the mouse after which a release throws nothing.
+const HELD_STILL: f64 = 0.08;
+/// Weight of the latest motion in the speed of a drag.
+const RECENT: f64 = 0.5;
+
 /// State of the orbit camera.
 #[derive(Default)]
 pub(super) struct OrbitCamera {
     grip: Option<Grip>,
+    /// How the ground turns below the viewer: radians a second, about an axis of that length. While it is dragged, how it would if it were
+    /// let go.
+    spin: DVec3,
+    dragged: Option<Instant>,
     /// Outstanding zoom, as a logarithm of altitude.
     zoom: f64,
 }
@@ -38,25 +52,52 @@ struct Grip {
 impl OrbitCamera {
     /// Takes hold of the ground at a pixel.
     pub(super) fn press(&mut self, pose: &Pose, lens: &Lens, pixel: [f64; 2], surface: &dyn Surface) {
+        self.let_go();
         self.grip = Grip::at(pose, lens, pixel, surface);
     }
 
-    /// Lets go.
-    pub(super) fn release(&mut self) {
-        self.grip = None;
-    }
-
-    /// Brings the ground that is held to a pixel.
-    pub(super) fn drag(&self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], surface: &dyn Surface) {
-        if let Some(grip) = self.grip {
-            grip.bring_to(pose, lens, pixel);
-            pose.keep_above(surface);
+    /// Lets go at a time: ground in motion goes on, slower and slower.
+    pub(super) fn release(&mut self, now: Instant) {
+        let still = self.dragged.is_none_or(|dragged| now.duration_since(dragged).as_secs_f64() > HELD_STILL);
+        if self.grip.take().is_none() || still {
+            self.spin = DVec3::ZERO;
         }
+        self.dragged = None;
     }
 
-    /// Whether a zoom is outstanding.
+    /// Lets go, and nothing goes on.
+    pub(super) fn let_go(&mut self) {
+        (self.grip, self.spin, self.dragged) = (None, DVec3::ZERO, None);
+    }
+
+    /// Brings the ground that is held to a pixel, at a time.
+    pub(super) fn drag(&mut self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], now: Instant, surface: &dyn Surface) {
+        let Some(grip) = self.grip else { return };
+        let before = pose.up();
+        grip.bring_to(pose, lens, pixel);
+        let swung = before.cross(pose.up());
+        if let Some(latest) = self.dragged.replace(now) {
+            let seconds = now.duration_since(latest).as_secs_f64().max(1e-3);
+            self.spin += (swung / seconds - self.spin) * RECENT;
+        }
+        pose.keep_above(surface);
+    }
+
+    /// Whether a zoom is outstanding, or ground that was thrown is not at rest.
     pub(super) fn is_moving(&self) -> bool {
-        self.zoom != 0.0
+        self.zoom != 0.0 || (self.grip.is_none() && self.spin != DVec3::ZERO)
+    }
+
+    /// Moves ground that was thrown on.
+    fn glide(&mut self, pose: &mut Pose, seconds: f64, surface: &dyn Surface) {
+        let Some(axis) = self.spin.try_normalize().filter(|_| self.grip.is_none()) else { return };
+        let (rate, left) = (self.spin.length(), (-FRICTION * seconds).exp());
+        pose.spin(axis, rate * (1.0 - left) / FRICTION);
+        self.spin *= left;
+        if rate * left * surface.radius(pose.up()) < AT_REST * pose.altitude(surface) {
+            self.spin = DVec3::ZERO;
+        }
+        pose.keep_above(surface);
     }
 
     /// Asks for a zoom by notches of the wheel, towards the ground if positive.
@@ -64,8 +105,10 @@ impl OrbitCamera {
         self.zoom -= ZOOM_PER_NOTCH * notches;
     }
 
-    /// Does the part of the outstanding zoom that is due after `seconds`, keeping the ground at `pixel` where it is.
+    /// Does the part of the outstanding zoom that is due after `seconds`, keeping the ground at `pixel` where it is; and moves on what was
+    /// thrown.
     pub(super) fn step(&mut self, pose: &mut Pose, lens: &Lens, pixel: [f64; 2], seconds: f64, surface: &dyn Surface) {
+        self.glide(pose, seconds, surface);
         if self.zoom.abs() < ZOOM_DONE {
             self.zoom = 0.0;
             return;
@@ -113,7 +156,7 @@ impl Grip {
 }
 
 /// The pitch in radians that suits an altitude over a planet of `radius`, in metres.
-fn resting_pitch(altitude_m: f64, radius: f64) -> f64 {
+pub(super) fn resting_pitch(altitude_m: f64, radius: f64) -> f64 {
     let (low, high) = (TILT_ALTITUDES.0.ln(), (TILT_ALTITUDES.1 * radius).ln());
     let t = ((altitude_m.max(1.0).ln() - low) / (high - low)).clamp(0.0, 1.0);
     let smooth = t * t * (3.0 - 2.0 * t);
@@ -133,11 +176,36 @@ mod tests {
             let mut camera = OrbitCamera::default();
             camera.press(&viewer, &LENS, [300.0, 350.0], &Ball);
             let held = camera.grip.unwrap().direction;
-            camera.drag(&mut viewer, &LENS, [420.0, 400.0], &Ball);
+            camera.drag(&mut viewer, &LENS, [420.0, 400.0], Instant::now(), &Ball);
             let seen = meet_sphere(viewer.position, viewer.ray(&LENS, [420.0, 400.0]), RADIUS).unwrap();
             assert!(held.distance(seen) * RADIUS < 1e-6 * altitude_m, "{altitude_m}: {}", held.distance(seen) * RADIUS);
             assert!((viewer.altitude(&Ball) - altitude_m).abs() < 1e-6 * altitude_m);
         }
+    }
+
+    #[test]
+    fn ground_that_is_thrown_glides_on_and_ground_that_is_put_down_does_not() {
+        use std::time::Duration;
+        let begun = Instant::now();
+        let thrown = |pause: u64| {
+            let (mut viewer, mut camera) = (pose(3e5, 30.0, -60.0), OrbitCamera::default());
+            camera.press(&viewer, &LENS, [400.0, 300.0], &Ball);
+            for k in 1..=10u32 {
+                let now = begun + Duration::from_millis(u64::from(k) * 16);
+                camera.drag(&mut viewer, &LENS, [400.0 + 8.0 * f64::from(k), 300.0], now, &Ball);
+            }
+            let left = viewer.up();
+            camera.release(begun + Duration::from_millis(160 + pause));
+            let mut frames = 0;
+            while camera.is_moving() {
+                camera.step(&mut viewer, &LENS, [480.0, 300.0], 0.02, &Ball);
+                frames += 1;
+            }
+            (frames, left.angle_between(viewer.up()) * RADIUS / 3e5)
+        };
+        assert_eq!(thrown(200), (0, 0.0));
+        let (frames, way) = thrown(10);
+        assert!((20..250).contains(&frames) && (0.05..2.0).contains(&way), "{frames} frames, {way} altitudes");
     }
 
     #[test]

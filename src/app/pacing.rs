@@ -51,7 +51,7 @@ pub(super) struct Motives {
     pub(super) pending: bool,
     /// Exposure follows the picture.
     pub(super) metered: bool,
-    /// When something said is to vanish.
+    /// When something said is to vanish, or the interface moves by itself.
     pub(super) until: Option<Instant>,
 }
 
@@ -77,9 +77,12 @@ pub(super) struct Pacing {
     chosen: f64,
     moved: Option<Instant>,
     changed: Instant,
-    /// Whether something happened that no frame shows yet.
+    /// Whether something happened that no picture shows yet, or the interface does not.
     dirty: bool,
+    interface_dirty: bool,
+    /// When the latest frame began, and the latest that drew a picture.
     drawn: Option<Instant>,
+    pictured: Option<Instant>,
 }
 
 impl Pacing {
@@ -96,7 +99,29 @@ impl Pacing {
             1.0
         };
         let least = Duration::from_secs_f64(1.0 / most_fps);
-        Pacing { scale, least, cost: None, chosen, moved: None, changed: Instant::now(), dirty: true, drawn: None }
+        let changed = Instant::now();
+        Pacing {
+            scale,
+            least,
+            cost: None,
+            chosen,
+            moved: None,
+            changed,
+            dirty: true,
+            interface_dirty: false,
+            drawn: None,
+            pictured: None,
+        }
+    }
+
+    /// Draws so many pixels from now on.
+    pub(super) fn set_scale(&mut self, scale: Scale) {
+        self.scale = scale;
+    }
+
+    /// Something happened that only the interface shows.
+    pub(super) fn touch_interface(&mut self) {
+        self.interface_dirty = true;
     }
 
     /// Something happened to the window, or to what it shows.
@@ -144,27 +169,36 @@ impl Pacing {
         self.moved.is_some_and(|at| now.duration_since(at) < STANDING)
     }
 
-    /// A frame begins.
-    pub(super) fn begin(&mut self, now: Instant) {
-        self.dirty = false;
+    /// A frame begins, with a picture of its own or over the one before.
+    pub(super) fn begin(&mut self, now: Instant, with_picture: bool) {
+        self.interface_dirty = false;
         self.drawn = Some(now);
+        if with_picture {
+            self.dirty = false;
+            self.pictured = Some(now);
+        }
+    }
+
+    /// Whether a frame that begins `now` would show another picture than the one before.
+    pub(super) fn wants_picture(&self, now: Instant, motives: &Motives) -> bool {
+        let adapts = motives.metered && now.duration_since(self.changed) < ADAPTING;
+        // A picture drawn while moving may have had too few pixels.
+        let sharpens = self.moved.is_some_and(|at| self.pictured.is_some_and(|drawn| drawn < at + STANDING));
+        self.dirty || motives.moving || motives.arrived || adapts || (sharpens && !self.is_moving(now))
     }
 
     /// When the next frame is due.
     pub(super) fn due(&self, now: Instant, motives: &Motives) -> Due {
-        let standing_at = self.moved.map(|at| at + STANDING).filter(|at| *at > now);
-        let adapts = motives.metered && now.duration_since(self.changed) < ADAPTING;
-        // A frame drawn while moving may have had too few pixels.
-        let sharpens = self.moved.is_some_and(|at| self.drawn.is_some_and(|drawn| drawn < at + STANDING));
-        if self.dirty || motives.moving || motives.arrived || adapts || (sharpens && standing_at.is_none()) {
+        let asked = motives.until.is_some_and(|at| at <= now);
+        if self.wants_picture(now, motives) || self.interface_dirty || asked {
             return match self.drawn.map(|drawn| drawn + self.least).filter(|at| *at > now) {
                 Some(at) => Due::At(at),
                 None => Due::Now,
             };
         }
+        let standing_at = self.moved.map(|at| at + STANDING).filter(|at| *at > now);
         let look = motives.pending.then(|| now + LOOK_FOR_ARRIVALS);
         match [standing_at, look, motives.until].into_iter().flatten().min() {
-            Some(at) if at <= now => Due::Now,
             Some(at) => Due::At(at),
             None => Due::Never,
         }
@@ -184,7 +218,7 @@ mod tests {
             now += Duration::from_millis(50);
             pacing.moved(now);
             let density = pacing.density(now);
-            pacing.begin(now);
+            pacing.begin(now, true);
             pacing.learn(Cost { density, pixels_ms: pixels * density * density, fixed_ms: fixed });
         }
         (pacing, now)
@@ -216,7 +250,7 @@ mod tests {
         assert!(standing - now <= Duration::from_millis(500));
         assert_eq!(pacing.due(standing, &NONE), Due::Now);
         assert_eq!(pacing.density(standing), 1.0);
-        pacing.begin(standing);
+        pacing.begin(standing, true);
         assert_eq!(pacing.due(standing + Duration::from_secs(1), &NONE), Due::Never);
         assert_eq!(pacing.due(standing + Duration::from_secs(1), &Motives { metered: true, ..NONE }), Due::Now);
         assert_eq!(pacing.due(standing + Duration::from_secs(3), &Motives { metered: true, ..NONE }), Due::Never);
@@ -226,7 +260,7 @@ mod tests {
     fn whatever_changes_brings_a_frame_but_none_too_early() {
         let (mut pacing, now) = (Pacing::new(Scale::Fixed(1.0), 50.0), Instant::now());
         assert_eq!(pacing.due(now, &NONE), Due::Now);
-        pacing.begin(now);
+        pacing.begin(now, true);
         let soon = now + Duration::from_millis(1);
         assert_eq!(pacing.due(soon, &NONE), Due::Never);
         assert_eq!(pacing.due(soon, &Motives { moving: true, ..NONE }), Due::At(now + Duration::from_millis(20)));
@@ -236,5 +270,19 @@ mod tests {
         assert_eq!(pacing.due(later, &Motives { until: Some(now), ..NONE }), Due::Now);
         pacing.touch(later);
         assert_eq!(pacing.due(later, &NONE), Due::Now);
+    }
+
+    #[test]
+    fn what_only_the_interface_shows_brings_a_frame_over_the_same_picture() {
+        let (mut pacing, now) = (Pacing::new(Scale::Fixed(1.0), 50.0), Instant::now());
+        assert!(pacing.wants_picture(now, &NONE));
+        pacing.begin(now, true);
+        let later = now + Duration::from_millis(40);
+        pacing.touch_interface();
+        assert_eq!((pacing.due(later, &NONE), pacing.wants_picture(later, &NONE)), (Due::Now, false));
+        pacing.begin(later, false);
+        assert_eq!(pacing.due(later + Duration::from_millis(40), &NONE), Due::Never);
+        pacing.touch(later);
+        assert!(pacing.wants_picture(later, &NONE));
     }
 }

@@ -6,7 +6,7 @@
 use super::surface::Surface;
 use glam::{DQuat, DVec3};
 use std::f64::consts::FRAC_PI_2;
-use terrane_planet::draw::view::Camera;
+use terrane_planet::draw::view::{local_frame, Camera};
 use terrane_planet::planet::CLEARANCE_M;
 
 /// Metres by which an altitude that was set may come back lower.
@@ -33,6 +33,19 @@ pub(super) struct Lens {
 }
 
 impl Pose {
+    /// A pose of a tangent that need not be exact, and a pitch that is cut to its range.
+    pub(super) fn new(position: DVec3, ahead: DVec3, pitch: f64) -> Pose {
+        Pose { position, ahead, pitch: pitch.clamp(-FRAC_PI_2, FRAC_PI_2) }.levelled()
+    }
+
+    /// Looking along a unit direction. Where that is straight up or down, `ahead` says what is up in the picture.
+    pub(super) fn facing(position: DVec3, direction: DVec3, ahead: DVec3) -> Pose {
+        let up = position.normalize();
+        let level = direction.reject_from_normalized(up);
+        let ahead = if level.length() > 1e-6 { level } else { ahead };
+        Pose::new(position, ahead, direction.dot(up).clamp(-1.0, 1.0).asin())
+    }
+
     /// The pose of a level camera.
     pub(super) fn of_camera(camera: &Camera) -> Pose {
         let up = camera.position.normalize();
@@ -87,6 +100,27 @@ impl Pose {
         self.position = part * self.position;
         self.ahead = part * self.ahead;
         *self = self.levelled();
+    }
+
+    /// Rotates about the planet's centre by radians about a unit axis.
+    pub(super) fn spin(&mut self, axis: DVec3, angle: f64) {
+        let rotation = DQuat::from_axis_angle(axis, angle);
+        self.position = rotation * self.position;
+        self.ahead = rotation * self.ahead;
+        *self = self.levelled();
+    }
+
+    /// Turns to a heading in radians clockwise from north, keeping the pitch.
+    pub(super) fn head(&mut self, heading: f64) {
+        let frame = local_frame(self.position);
+        self.ahead = frame.y_axis * heading.cos() + frame.x_axis * heading.sin();
+        *self = self.levelled();
+    }
+
+    /// Radians clockwise from north.
+    pub(super) fn heading(&self) -> f64 {
+        let frame = local_frame(self.position);
+        self.ahead.dot(frame.x_axis).atan2(self.ahead.dot(frame.y_axis))
     }
 
     /// Moves straight up or down to an altitude in metres above the surface, no lower than [`CLEARANCE_M`].

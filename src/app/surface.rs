@@ -20,28 +20,32 @@ pub(super) struct DrawnSurface<'a> {
     ground: &'a DrawnGround,
     recipe: &'a Recipe,
     terrain: &'a Terrain,
+    /// Whether the sea is drawn.
+    wet: bool,
 }
 
 impl<'a> DrawnSurface<'a> {
     pub(super) fn new(ground: &'a DrawnGround, recipe: &'a Recipe, terrain: &'a Terrain) -> DrawnSurface<'a> {
-        DrawnSurface { ground, recipe, terrain }
+        DrawnSurface { ground, recipe, terrain, wet: true }
     }
 
-    pub(super) fn of_scene(scene: &'a Scene) -> DrawnSurface<'a> {
-        DrawnSurface::new(scene.ground(), &scene.planet().recipe, &scene.planet().terrain)
+    /// With its sea, or without.
+    pub(super) fn of_scene(scene: &'a Scene, wet: bool) -> DrawnSurface<'a> {
+        DrawnSurface { wet, ..DrawnSurface::new(scene.ground(), &scene.planet().recipe, &scene.planet().terrain) }
     }
 }
 
 impl Surface for DrawnSurface<'_> {
     fn radius(&self, direction: DVec3) -> f64 {
         let ground = self.ground.height_at(direction).unwrap_or(0.0);
-        self.recipe.radius + self.terrain.ground_or_sea(self.recipe, direction, ground)
+        let uppermost = if self.wet { self.terrain.ground_or_sea(self.recipe, direction, ground) } else { ground };
+        self.recipe.radius + uppermost
     }
 
     fn meet(&self, origin: DVec3, direction: DVec3) -> Option<DVec3> {
         let ground = self.ground.known.raycast(origin, direction).map(|hit| hit.position);
         let dives = |&sea: &f64| origin.cross(direction).length() < sea;
-        let sea = self.recipe.sea.as_ref().map(|sea| self.recipe.radius + sea.level_m);
+        let sea = self.recipe.sea.as_ref().filter(|_| self.wet).map(|sea| self.recipe.radius + sea.level_m);
         let wet = |towards: &DVec3| !self.terrain.is_kept_dry(*towards);
         let sea = sea.filter(dives).and_then(|sea| meet_sphere(origin, direction, sea).filter(wet).map(|towards| towards * sea));
         ground.into_iter().chain(sea).min_by(|a, b| a.distance_squared(origin).total_cmp(&b.distance_squared(origin)))
@@ -136,7 +140,7 @@ mod tests {
         let mut camera = FlyCamera::default();
         let (mut risen, mut nearest, start) = (0.0f64, f64::MAX, pose.position.length());
         for _ in 0..400 {
-            camera.step(&mut pose, DVec3::Z, true, 0.03, &surface);
+            camera.step(&mut pose, (DVec3::Z, true), 1.0, 0.03, &surface);
             assert!(pose.altitude(&surface) >= CLEARANCE_M - 1e-6, "{} m", pose.altitude(&surface));
             nearest = nearest.min(clearance(&ground.known, pose.position));
             risen = risen.max(pose.position.length() - start);

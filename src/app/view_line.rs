@@ -3,7 +3,6 @@
 use super::viewer::Viewer;
 use crate::frame::{sun_seen_from, Look};
 use terrane_planet::draw::layout::{Mode, Tone};
-use terrane_planet::draw::view::local_frame;
 use terrane_planet::draw::view_line::{Daylight, Exposure, Stand, ViewLine};
 use terrane_planet::globe::sphere::latitude_longitude;
 
@@ -18,8 +17,7 @@ const SECONDS: i32 = 3;
 pub(super) fn of(line: ViewLine, viewer: &Viewer, radius: f64, look: &Look) -> ViewLine {
     let (pose, lens) = (&viewer.pose, &viewer.lens);
     let (latitude, longitude) = latitude_longitude(pose.up());
-    let frame = local_frame(pose.position);
-    let heading = pose.ahead.dot(frame.x_axis).atan2(pose.ahead.dot(frame.y_axis)).to_degrees();
+    let heading = pose.heading().to_degrees();
     let sun = sun_seen_from(pose.up(), look.sun);
     ViewLine {
         at: [latitude, longitude].map(|degrees| rounded(degrees, SITE)),
@@ -33,6 +31,9 @@ pub(super) fn of(line: ViewLine, viewer: &Viewer, radius: f64, look: &Look) -> V
         tone: Some(look.tone).filter(|tone| *tone != Tone::Neutral),
         time: line.time.map(|seconds| rounded(seconds, SECONDS)).filter(|seconds| *seconds > 0.0),
         clear_sky: !look.clouds,
+        no_sea: !look.sea,
+        no_air: !look.air,
+        no_shadows: !look.shadows,
         ..line
     }
 }
@@ -45,6 +46,7 @@ fn rounded(number: f64, digits: i32) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    use super::super::keys::Keys;
     use super::*;
     use glam::DVec3;
     use terrane_planet::draw::view::Camera;
@@ -64,7 +66,7 @@ mod tests {
             let position = direction_at(latitude, longitude) * (6e6 + 1234.5);
             let camera = Camera::looking(position, heading, pitch, 50f64.to_radians(), [320, 240]);
             let look = Look { exposure: 0.5, ..Look::daylight(DVec3::X) };
-            let found = of(line.clone(), &Viewer::new(&camera), 6e6, &look);
+            let found = of(line.clone(), &Viewer::new(&camera, Keys::default()), 6e6, &look);
             let sun = found.daylight;
             assert_eq!(ViewLine { daylight: None, ..found }, line);
             assert!(matches!(sun, Some(Daylight::Over(_))));

@@ -10,10 +10,10 @@ mod edge_shapes;
 mod edges;
 mod emit;
 mod fullscreen;
+#[cfg(feature = "app")]
+mod gui;
 mod meter;
 mod ocean;
-#[cfg(feature = "app")]
-mod overlay;
 mod passed;
 mod resolve;
 mod select;
@@ -30,7 +30,7 @@ mod upscale;
 pub use buffers::{FrameBuffers, MAX_TRIANGLES};
 pub use edges::Edge;
 #[cfg(feature = "app")]
-pub use overlay::Overlay;
+pub use gui::{Gui, GuiFrame};
 pub use shading::{shading, sun_over, sun_seen_from, Look};
 pub use stage::{PerStage, Stage};
 pub use tables::{FrameTables, MeshTasks};

@@ -14,8 +14,11 @@ const AIR_SCALE_HEIGHTS: f64 = 12.0;
 /// nobody sees.
 const DEEPEST_SCALE_HEIGHTS: f64 = 2.0;
 
+/// What is taken from the sines of horizons where nothing casts shadows: no sun is so low.
+const NO_HORIZON: f32 = 4.0;
+
 /// How a frame looks, apart from the view.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// What is drawn.
     pub mode: Mode,
@@ -29,12 +32,28 @@ pub struct Look {
     pub metering: Option<f32>,
     /// Whether clouds are drawn, and cast shadows, where the planet has any.
     pub clouds: bool,
+    /// Whether the sea is drawn, or its floor in its place.
+    pub sea: bool,
+    /// Whether there is air.
+    pub air: bool,
+    /// Whether the relief casts shadows.
+    pub shadows: bool,
 }
 
 impl Look {
     /// The shaded ground under its clouds, exposed for the light there. `sun` is the unit vector towards the sun.
     pub const fn daylight(sun: DVec3) -> Look {
-        Look { mode: Mode::Shaded, sun, exposure: 1.0, tone: Tone::Neutral, metering: None, clouds: true }
+        Look {
+            mode: Mode::Shaded,
+            sun,
+            exposure: 1.0,
+            tone: Tone::Neutral,
+            metering: None,
+            clouds: true,
+            sea: true,
+            air: true,
+            shadows: true,
+        }
     }
 }
 
@@ -82,9 +101,10 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
         window: [left, top, width, height].map(pixels),
         anchor: camera.position.to_array().map(|x| x.rem_euclid(REPEAT_M) as f32),
         sea_variance: total_variance() as f32,
+        horizon_drop: if look.shadows { 0.0 } else { NO_HORIZON },
         ..Shading::default()
     };
-    if let Some(sea) = &recipe.sea {
+    if let (Some(sea), true) = (&recipe.sea, look.sea) {
         shading.sea_level = sea.level_m as f32;
         shading.shallow = colour(sea.shallow);
         shading.deep = colour(sea.deep);
@@ -93,7 +113,7 @@ pub fn shading(recipe: &Recipe, lowest: f64, view: &View, look: &Look) -> Shadin
         shading.cloud_height = clouds.height_m as f32;
         shading.cloud_depth = clouds.optical_depth as f32;
     }
-    if let Some(air) = &recipe.atmosphere {
+    if let (Some(air), true) = (&recipe.atmosphere, look.air) {
         add_air(&mut shading, air, lowest);
     }
     shading

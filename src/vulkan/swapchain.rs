@@ -224,8 +224,12 @@ impl Swapchain {
 
     fn create(&mut self, can: &vk::SurfaceCapabilitiesKHR, extent: vk::Extent2D, old: vk::SwapchainKHR) -> Result<()> {
         let most = if can.max_image_count == 0 { u32::MAX } else { can.max_image_count };
-        // Copying from the images, for pictures of the window, where the driver allows it.
-        let copy = vk::ImageUsageFlags::TRANSFER_SRC & can.supported_usage_flags;
+        // Copying to the images puts a picture into them that is drawn already. Every driver known allows it, though none must.
+        let copy = vk::ImageUsageFlags::TRANSFER_DST;
+        if !can.supported_usage_flags.contains(copy) {
+            let problem = "its images cannot be copied to; another driver or window system may allow that".to_owned();
+            return Err(VulkanError::Access { what: "the window".to_owned(), problem });
+        }
         let info = vk::SwapchainCreateInfoKHR::default()
             .surface(self.surface.handle)
             .min_image_count((can.min_image_count + 1).min(most))

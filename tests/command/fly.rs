@@ -178,7 +178,7 @@ fn a_flight_obeys_mouse_and_keys_and_leaves_validation_silent() {
     assert!(nearer != first, "drag and wheel changed nothing");
     assert!(nearer.brightness(3, 3) > first.brightness(3, 3) || nearer.colours() > first.colours(), "the wheel came no nearer");
 
-    for key in ["F1", "2", "3", "4", "5", "6", "m", "f", "l", "bracketright", "g", "F1", "1"] {
+    for key in ["F1", "2", "3", "4", "5", "6", "m", "f", "l", "bracketright", "t", "F1", "1"] {
         hand.key(key);
     }
     hand.key("z");

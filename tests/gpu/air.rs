@@ -84,7 +84,7 @@ impl Studio {
         let view = View::new(camera, self.scene.lattice(), planet.cells, 1.0);
         let cut = self.scene.settle(&view).unwrap();
         let sun = sun_over(site, azimuth, elevation);
-        let look = Look { mode: Mode::Shaded, sun, exposure: 1.0, tone: Tone::Neutral, metering: None, clouds: false };
+        let look = Look { clouds: false, ..Look::daylight(sun) };
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
         Picture {
             camera,

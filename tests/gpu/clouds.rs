@@ -8,7 +8,7 @@ use terrane::headless::Headless;
 use terrane::scene::{Scene, SceneOptions};
 use terrane::stills::{Pixels, StillOptions, Studio};
 use terrane::vulkan::Context;
-use terrane_planet::draw::layout::{Mode, Tone};
+use terrane_planet::draw::layout::Mode;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::maps::clouds::{cloud_levels, cloud_map, octahedral, CloudLevel, CLOUD_EDGE, CLOUD_SIDE};
@@ -42,7 +42,7 @@ impl Sky {
     fn seen_from_afar(&mut self, direction: DVec3, mode: Mode, clouds: bool) -> (Camera, Vec<f32>) {
         let view = self.view(direction * (FAR * RADIUS), -90.0, 0.11);
         let cut = self.scene.settle(&view).unwrap();
-        let look = Look { mode, sun: direction, exposure: 1.0, tone: Tone::Neutral, metering: None, clouds };
+        let look = Look { mode, clouds, ..Look::daylight(direction) };
         self.headless.render(&self.scene, &view, &cut, &look).unwrap();
         (view.camera, self.headless.radiance().unwrap())
     }

@@ -27,7 +27,7 @@ fn outline(samples: u32, finer: u32) -> Option<Vec<u8>> {
         exposure: 1.0,
         tone: Tone::Neutral,
         metering: None,
-        clouds: true,
+        ..Look::daylight(site)
     };
     scene.set_sun(look.sun);
     let cut = scene.settle(&view).unwrap();

@@ -29,7 +29,7 @@ fn show(context: &Arc<Context>, heading: f64, pitch: f64, elevation: f64, meteri
         exposure: 1.0,
         tone: Tone::Neutral,
         metering,
-        clouds: true,
+        ..Look::daylight(site)
     };
     headless.render(&scene, &view, &cut, &look).unwrap();
     (headless.pixels().unwrap(), headless.radiance().unwrap())

@@ -4,7 +4,7 @@ use crate::harness::{device, Bench};
 use terrane::frame::Look;
 use terrane::verify::{random_views, TOLERANCES};
 use terrane::vulkan::{download, Commands};
-use terrane_planet::draw::layout::{Mode, Tone};
+use terrane_planet::draw::layout::Mode;
 
 /// Triangles, far fewer than any view emits.
 const CAPACITY: u32 = 20;
@@ -17,8 +17,7 @@ fn triangles_past_the_capacity_are_counted_and_not_written() {
     let mut bench = Bench::new(&context);
     let view = random_views(&bench.scene, 3, 1, &TOLERANCES)[0];
     let cut = bench.scene.settle(&view).unwrap();
-    let look =
-        Look { mode: Mode::Levels, sun: view.eye.normalize(), exposure: 1.0, tone: Tone::Neutral, metering: None, clouds: true };
+    let look = Look { mode: Mode::Levels, ..Look::daylight(view.eye.normalize()) };
     let whole = bench.headless.render(&bench.scene, &view, &cut, &look).unwrap().counters;
     assert!(whole.wanted > CAPACITY && whole.wanted <= whole.capacity, "{whole:?}");
 

@@ -8,7 +8,7 @@ use super::synchronization::Access;
 use super::Commands;
 use crate::vulkan::error::Result;
 use crate::vulkan::resources::buffer::Buffer;
-use crate::vulkan::resources::image::{aspect, Image, ImageRegion};
+use crate::vulkan::resources::image::{aspect, Image, ImageRegion, ImageView};
 
 impl Commands {
     /// Sets every 32-bit word of a range, in bytes that are multiples of 4.
@@ -109,6 +109,39 @@ impl Commands {
         let (source, target) = (from.raw().handle, to.raw().handle);
         // SAFETY: the commands are recording, both images have these layers and levels and are kept.
         unsafe { self.context.device().cmd_copy_image(commands, source, read, target, write, &regions) };
+        Ok(())
+    }
+
+    /// Copies an image of one layer and level, in the layout of [`Access::TransferRead`], to a view of the same size and format, in that of
+    /// [`Access::TransferWrite`].
+    ///
+    /// # Errors
+    /// Another size or format.
+    pub fn copy_to_view(&mut self, from: &Image, to: &ImageView) -> Result<()> {
+        let commands = self.outside_rendering()?;
+        if (from.format(), from.size()) != (to.format(), to.size()) {
+            return Err(
+                self.misuse(&format!("image `{}` and the view that it is copied to differ in size or format", from.name()))
+            );
+        }
+        self.keep_raw(from.view().raw.clone());
+        self.keep_raw(to.raw.clone());
+        let range = to.raw.range;
+        let target_layers = vk::ImageSubresourceLayers {
+            aspect_mask: range.aspect_mask,
+            mip_level: range.base_mip_level,
+            base_array_layer: range.base_array_layer,
+            layer_count: 1,
+        };
+        let (width, height) = from.size();
+        let region = vk::ImageCopy::default()
+            .src_subresource(subresource(from, 0, 0..1))
+            .dst_subresource(target_layers)
+            .extent(vk::Extent3D { width, height, depth: 1 });
+        let ((_, _, read), (_, _, write)) = (Access::TransferRead.parts(), Access::TransferWrite.parts());
+        let (source, target) = (from.raw().handle, to.raw.image.handle);
+        // SAFETY: the commands are recording, both have this size and format and are kept.
+        unsafe { self.context.device().cmd_copy_image(commands, source, read, target, write, &[region]) };
         Ok(())
     }
 

@@ -79,6 +79,22 @@ impl Commands {
         Ok(())
     }
 
+    /// Lets what is drawn next change only the pixels of a rectangle: its upper left corner and its size. Parts of it that lie outside the
+    /// targets change nothing.
+    ///
+    /// # Errors
+    /// Not rendering.
+    pub fn clip(&mut self, corner: (u32, u32), size: (u32, u32)) -> Result<()> {
+        let commands = self.while_rendering()?;
+        let most = i32::MAX as u32;
+        let (x, y) = (corner.0.min(most), corner.1.min(most));
+        let extent = vk::Extent2D { width: size.0.min(most - x), height: size.1.min(most - y) };
+        let area = vk::Rect2D { offset: vk::Offset2D { x: x as i32, y: y as i32 }, extent };
+        // SAFETY: the commands are rendering, and the rectangle ends within the numbers that Vulkan allows.
+        unsafe { self.context.device().cmd_set_scissor(commands, 0, &[area]) };
+        Ok(())
+    }
+
     /// Draws `vertices` vertices, `instances` times.
     ///
     /// # Errors

@@ -9,11 +9,10 @@ use super::views::{check_planet, given, note_planet, HELP as HELP_VIEW, VALUE};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, Context as _};
-use arboard::Clipboard;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use terrane::app::{fly, CopyView, FlyFrame, FlyOptions, Scale, HELP};
+use terrane::app::{fly, Clipboard, FlyFrame, FlyOptions, Keys, Scale};
 use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::planet::Planet;
 use terrane_planet::store::PlanetFile;
@@ -28,7 +27,7 @@ const STANDS: Duration = Duration::from_secs(5);
 ///
 /// A recipe needs no bake: its patches are built as they are seen, and kept in a file in the user's cache folder.
 #[derive(clap::Args)]
-#[command(after_help = format!("Keys and mouse:\n{HELP}"))]
+#[command(after_help = format!("Keys and mouse:\n{}", Keys::default().help()))]
 pub(crate) struct Fly {
     /// Planet file; or a recipe: a TOML file, or the name of one that comes with the command [default: that of --view, or terra].
     #[arg(value_name = FILE)]
@@ -54,6 +53,9 @@ pub(crate) struct Fly {
     /// With `--path`: stand still at its end for five seconds, close the window, and write what every frame cost into this JSON file.
     #[arg(long, value_name = "OUT", requires = "path")]
     report: Option<PathBuf>,
+    /// Print which key does what, as the file `terrane/keys.toml` in the user's folder of settings can say it, and leave.
+    #[arg(long)]
+    keys: bool,
     #[command(flatten)]
     draw: DrawOptions,
     /// Folder for the pictures that P and F12 save.
@@ -82,6 +84,11 @@ fn positive(text: &str) -> anyhow::Result<f64> {
 
 impl Run for Fly {
     fn run(mut self) -> anyhow::Result<Outcome> {
+        let keys = keys()?;
+        if self.keys {
+            print!("{}", keys.to_toml());
+            return Ok(Outcome::Done);
+        }
         if let Some(line) = &self.view {
             self.camera.take(line);
             self.draw.take(line);
@@ -102,6 +109,7 @@ impl Run for Fly {
             file: place.path().to_owned(),
             scale: self.scale.0.map(Scale::Fixed).or(self.frame_ms.map(Scale::Within)),
             most_fps: self.max_fps,
+            keys,
             path,
             stand: self.report.as_ref().map(|_| STANDS),
             context: self.draw.gpu.options(),
@@ -115,7 +123,7 @@ impl Run for Fly {
             save: Box::new(move |size, pixels, view| {
                 save(&folder, size, pixels, view).map_err(|error| format!("not saved: {error:#}"))
             }),
-            copy: clipboard(),
+            clipboard: Box::new(SystemClipboard::default()),
         });
         let reported = report_messages(&report.messages);
         ended?;
@@ -126,6 +134,16 @@ impl Run for Fly {
         println!("{} frames in {:.1} s", report.frames, report.seconds);
         Ok(Outcome::Done)
     }
+}
+
+/// The usual keys, but for what the user's file says otherwise.
+fn keys() -> anyhow::Result<Keys> {
+    let folders = directories::ProjectDirs::from("", "", "terrane");
+    let Some(file) = folders.map(|folders| folders.config_dir().join("keys.toml")).filter(|file| file.exists()) else {
+        return Ok(Keys::default());
+    };
+    let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read the keys {}", file.display()))?;
+    Keys::from_toml(&text).with_context(|| format!("{}", file.display()))
 }
 
 /// Writes what every frame cost.
@@ -140,22 +158,33 @@ fn write_frames(out: &Path, frames: &[FlyFrame]) -> anyhow::Result<()> {
     pictures::write_whole(out, text.as_bytes()).with_context(|| format!("cannot write the frames {}", out.display()))
 }
 
-/// Prints views, and puts them into the clipboard where there is one. That keeps them until the window is closed, or a clipboard manager
+/// The system's clipboard, opened when it is first wanted. It keeps what it was given until the window is closed, or a clipboard manager
 /// beyond that.
-fn clipboard() -> CopyView {
-    let mut opened = None;
-    Box::new(move |view| {
-        let text = view.to_string();
+#[derive(Default)]
+struct SystemClipboard(Option<arboard::Clipboard>);
+
+impl SystemClipboard {
+    fn open(&mut self) -> Option<&mut arboard::Clipboard> {
+        if self.0.is_none() {
+            self.0 = arboard::Clipboard::new().inspect_err(|error| tracing::info!(%error, "no clipboard")).ok();
+        }
+        self.0.as_mut()
+    }
+}
+
+impl Clipboard for SystemClipboard {
+    fn copy(&mut self, text: &str) -> String {
         println!("{text}");
-        if opened.is_none() {
-            opened = Clipboard::new().inspect_err(|error| tracing::info!(%error, "no clipboard")).ok();
+        match self.open().map(|clipboard| clipboard.set_text(text)) {
+            Some(Ok(())) => "copied, and in the terminal".to_owned(),
+            Some(Err(error)) => format!("it is in the terminal; the clipboard refused it: {error}"),
+            None => "it is in the terminal; there is no clipboard".to_owned(),
         }
-        match opened.as_mut().map(|clipboard| clipboard.set_text(text)) {
-            Some(Ok(())) => "the view is in the clipboard, and in the terminal".to_owned(),
-            Some(Err(error)) => format!("the view is in the terminal; the clipboard refused it: {error}"),
-            None => "the view is in the terminal; there is no clipboard".to_owned(),
-        }
-    })
+    }
+
+    fn paste(&mut self) -> Option<String> {
+        self.open()?.get_text().ok()
+    }
 }
 
 /// Saves a picture under the first number that is free.

@@ -414,6 +414,15 @@ pub(crate) struct LookOptions {
     /// Leave the clouds out.
     #[arg(long)]
     clear_sky: bool,
+    /// Leave the sea out: its floor shows.
+    #[arg(long)]
+    no_sea: bool,
+    /// Leave the air out.
+    #[arg(long)]
+    no_air: bool,
+    /// Let the relief cast no shadows.
+    #[arg(long)]
+    no_shadows: bool,
 }
 
 /// Seconds since 1970 of a time with its zone.
@@ -442,6 +451,9 @@ impl LookOptions {
         self.mode = self.mode.or(line.mode.map(ModeOption::of));
         self.tone = self.tone.or(line.tone.map(ToneOption::of));
         self.clear_sky |= line.clear_sky;
+        self.no_sea |= line.no_sea;
+        self.no_air |= line.no_air;
+        self.no_shadows |= line.no_shadows;
     }
 
     /// Puts into a view how the picture looks; what is as usual only where it may not be usual elsewhere.
@@ -452,6 +464,9 @@ impl LookOptions {
         line.mode = Some(self.mode()).filter(|mode| *mode != Mode::Shaded);
         line.tone = Some(self.tone()).filter(|tone| *tone != Tone::Neutral);
         line.clear_sky = self.clear_sky;
+        line.no_sea = self.no_sea;
+        line.no_air = self.no_air;
+        line.no_shadows = self.no_shadows;
     }
 
     fn mode(&self) -> Mode {
@@ -471,7 +486,17 @@ impl LookOptions {
             Exposure::Auto => (1.0, Some(1.0)),
             Exposure::Fixed(factor) => (factor, None),
         };
-        Look { mode: self.mode(), sun, exposure: factor, tone: self.tone(), metering, clouds: !self.clear_sky }
+        Look {
+            mode: self.mode(),
+            sun,
+            exposure: factor,
+            tone: self.tone(),
+            metering,
+            clouds: !self.clear_sky,
+            sea: !self.no_sea,
+            air: !self.no_air,
+            shadows: !self.no_shadows,
+        }
     }
 }
 

@@ -99,11 +99,6 @@ shared_constants! {
     EDGE_REACH: i32 = 128;
     /// Rows of pixels between which an invocation looks for edges.
     EDGE_ROWS: i32 = 4;
-
-    /// Width and height of a character of the overlay, in unscaled pixels.
-    TEXT_CELL: [u32; 2] = [8, 10];
-    /// Bits of a character's column, and as many of its row, in its word; its code is above them.
-    TEXT_POSITION_BITS: u32 = 10;
 }
 
 /// Most patches a frame can draw, 131,071: the rest of an emitted index, short of the restart value.

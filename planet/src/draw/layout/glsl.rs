@@ -128,7 +128,7 @@ pub fn probe_words() -> Vec<(&'static str, usize)> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::{DrawnVertex, EmitState, FrameView, PatchDraw, PatchVertex, Shading, Star, Task};
+    use super::super::{DrawnVertex, EmitState, FrameView, GuiCorner, PatchDraw, PatchVertex, Shading, Star, Task};
     use super::*;
 
     #[test]
@@ -138,6 +138,7 @@ mod tests {
             size_of::<PatchDraw>(),
             size_of::<DrawnVertex>(),
             size_of::<Star>(),
+            size_of::<GuiCorner>(),
             size_of::<Task>(),
             size_of::<FrameView>(),
             size_of::<Shading>(),

@@ -98,6 +98,16 @@ gpu_structs! {
         radiance: [f32; 3],
     }
 
+    /// A corner of a triangle of the user interface.
+    GuiCorner {
+        /// Points from the window's upper left corner, to the right and down.
+        position: [f32; 2],
+        /// Where in its image, from 0 to 1.
+        texel: [f32; 2],
+        /// Red, green, blue and alpha, 8 bits each from the lowest; encoded as the display takes them and multiplied by alpha.
+        color: u32,
+    }
+
     /// A run of work of one workgroup: a patch, and which of its vertices or triangles.
     Task {
         /// Number of the patch in the table of draws.
@@ -221,6 +231,8 @@ gpu_structs! {
         cloud_height: f32,
         /// Optical depth of clouds where they are thickest; 0: there are none.
         cloud_depth: f32,
+        /// What is taken from the sines of the horizons' elevation: 0, or so much that nothing casts shadows.
+        horizon_drop: f32,
     }
 
     /// Counters that emission appends with, and the indirect draw they become.

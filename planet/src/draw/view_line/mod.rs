@@ -83,6 +83,12 @@ pub struct ViewLine {
     pub depth: Option<u32>,
     /// Without clouds.
     pub clear_sky: bool,
+    /// Without the sea.
+    pub no_sea: bool,
+    /// Without air.
+    pub no_air: bool,
+    /// Without shadows of the relief.
+    pub no_shadows: bool,
     /// With alpha in place of space.
     pub transparent_sky: bool,
     /// Vertices jump when they wake.
@@ -152,6 +158,9 @@ impl ViewLine {
             msaa: None,
             depth: None,
             clear_sky: false,
+            no_sea: false,
+            no_air: false,
+            no_shadows: false,
             transparent_sky: false,
             no_geomorphs: false,
             orientation: false,
@@ -222,6 +231,9 @@ impl FromStr for ViewLine {
             msaa: parts.one_of("msaa", &[1, 2, 4, 8], "1, 2, 4 or 8")?,
             depth: parts.one_of("depth", &[8, 16], "8 or 16")?,
             clear_sky: parts.flag("clear-sky")?,
+            no_sea: parts.flag("no-sea")?,
+            no_air: parts.flag("no-air")?,
+            no_shadows: parts.flag("no-shadows")?,
             transparent_sky: parts.flag("transparent-sky")?,
             no_geomorphs: parts.flag("no-geomorphs")?,
             orientation: parts.flag("orientation")?,
@@ -273,6 +285,9 @@ impl Display for ViewLine {
         ];
         let flags = [
             ("clear-sky", self.clear_sky),
+            ("no-sea", self.no_sea),
+            ("no-air", self.no_air),
+            ("no-shadows", self.no_shadows),
             ("transparent-sky", self.transparent_sky),
             ("no-geomorphs", self.no_geomorphs),
             ("orientation", self.orientation),
@@ -291,7 +306,7 @@ mod tests {
 
     const FULL: &str = "terrane:1/planet=Terra/recipe=00c0ffee/at=-38.95,34.34/altitude=1000/look=310,-11/fov=50/size=1280x720/\
                         date=2026-06-21T12:00:00Z/error=0.5/exposure=auto/mode=wire/tone=agx/time=1.5/spacing=2/ssaa=2/msaa=4/depth=16/\
-                        clear-sky/transparent-sky/no-geomorphs/orientation/stored-only";
+                        clear-sky/no-sea/no-air/no-shadows/transparent-sky/no-geomorphs/orientation/stored-only";
 
     fn message(text: &str) -> String {
         text.parse::<ViewLine>().unwrap_err().to_string()

@@ -1,0 +1,142 @@
+//! Where to go, as people write it: `46 8`, `46°30'N, 8°15'E`, `-38.95, 34.34, 1200 m`, or a view of one line.
+
+use terrane_planet::draw::view_line::{Stand, ViewLine, SCHEME};
+
+/// Somewhere to go to.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Destination {
+    /// Latitude and longitude in degrees.
+    pub(super) at: [f64; 2],
+    /// How far above that; what suits the viewer if none.
+    pub(super) stand: Option<Stand>,
+    /// Heading and pitch in degrees; what suits the altitude if none.
+    pub(super) look: Option<[f64; 2]>,
+}
+
+/// What a text asks for.
+///
+/// # Errors
+/// What was found, and what was expected.
+pub(super) fn parse(text: &str) -> Result<Destination, String> {
+    let text = text.trim();
+    if text.starts_with(SCHEME) {
+        let line: ViewLine = text.parse().map_err(|error| format!("{error}"))?;
+        return Ok(Destination { at: line.at, stand: Some(line.stand), look: line.look });
+    }
+    let expected = || {
+        format!("'{text}' is no place: expected latitude and longitude such as 46 8 or 46°30'N 8°E, and a height such as 1200 m if you like")
+    };
+    let mut numbers = Numbers { rest: text };
+    let latitude = numbers.angle('N', 'S').ok_or_else(expected)?;
+    let longitude = numbers.angle('E', 'W').ok_or_else(expected)?;
+    let stand = if numbers.rest.is_empty() { None } else { Some(numbers.stand().ok_or_else(expected)?) };
+    if !numbers.rest.is_empty() {
+        return Err(expected());
+    }
+    if !(-90.0..=90.0).contains(&latitude) || !(-360.0..=360.0).contains(&longitude) {
+        return Err(format!(
+            "{latitude}, {longitude} is nowhere: expected -90 to 90 degrees north, and -360 to 360 degrees east"
+        ));
+    }
+    Ok(Destination { at: [latitude, longitude], stand, look: None })
+}
+
+/// What is left of a text.
+struct Numbers<'a> {
+    rest: &'a str,
+}
+
+impl<'a> Numbers<'a> {
+    /// Degrees, and minutes and seconds if there are any, with the letter of either way.
+    fn angle(&mut self, plus: char, minus: char) -> Option<f64> {
+        let degrees = self.number()?;
+        let mut size = degrees.abs();
+        if self.takes(&['°', 'º']) {
+            if let Some((minutes, rest)) = self.part(&['\'', '′']) {
+                (size, self.rest) = (size + minutes / 60.0, rest);
+                if let Some((seconds, rest)) = self.part(&['"', '″']) {
+                    (size, self.rest) = (size + seconds / 3600.0, rest);
+                }
+            }
+        }
+        let away = if self.takes(&[minus, minus.to_ascii_lowercase()]) { -1.0 } else { 1.0 };
+        self.takes(&[plus, plus.to_ascii_lowercase()]);
+        self.takes(&[',', ';']);
+        Some(if degrees.is_sign_negative() { -size } else { size } * away)
+    }
+
+    /// Metres or kilometres above ground or sea.
+    fn stand(&mut self) -> Option<Stand> {
+        let number = self.number()?;
+        let unit = self.rest;
+        self.rest = "";
+        let metres = match unit {
+            "" | "m" => number,
+            "km" => number * 1e3,
+            _ => return None,
+        };
+        (0.5..=1e9).contains(&metres).then_some(Stand::Altitude(metres))
+    }
+
+    fn number(&mut self) -> Option<f64> {
+        let (number, rest) = first_number(self.rest)?;
+        self.rest = rest;
+        Some(number)
+    }
+
+    /// A number that one of some marks follows, and what is after both.
+    fn part(&self, marks: &[char]) -> Option<(f64, &'a str)> {
+        let (number, rest) = first_number(self.rest)?;
+        Some((number, rest.strip_prefix(marks)?.trim_start()))
+    }
+
+    fn takes(&mut self, marks: &[char]) -> bool {
+        let rest = self.rest.strip_prefix(marks);
+        self.rest = rest.unwrap_or(self.rest).trim_start();
+        rest.is_some()
+    }
+}
+
+fn first_number(text: &str) -> Option<(f64, &str)> {
+    let end = text.char_indices().find(|(at, c)| !(c.is_ascii_digit() || *c == '.' || (*at == 0 && (*c == '-' || *c == '+'))));
+    let (number, rest) = text.split_at(end.map_or(text.len(), |(at, _)| at));
+    Some((number.parse().ok()?, rest.trim_start()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(text: &str) -> [f64; 2] {
+        parse(text).unwrap().at
+    }
+
+    #[test]
+    fn sites_are_understood_as_people_write_them() {
+        for text in ["46 8", "46,8", " 46.0 , 8 ", "46N 8E", "46° N, 8° E", "46°0'N 8°0'0\"E", "+46;8"] {
+            assert_eq!(at(text), [46.0, 8.0], "{text}");
+        }
+        assert_eq!(at("46°30'S 8°15'36\"w"), [-46.5, -8.26]);
+        assert_eq!(at("-38.95 -34.34"), [-38.95, -34.34]);
+        assert_eq!(at("-0.5, 0"), [-0.5, 0.0]);
+    }
+
+    #[test]
+    fn heights_and_views_come_along() {
+        let stand = |text: &str| parse(text).unwrap().stand;
+        assert_eq!(stand("46 8 1200"), Some(Stand::Altitude(1200.0)));
+        assert_eq!(stand("46N, 8E, 1.5 km"), Some(Stand::Altitude(1500.0)));
+        assert_eq!(stand("46 8"), None);
+        let view = parse("terrane:1/at=46,8/height=4000/look=90,-10").unwrap();
+        assert_eq!(view, Destination { at: [46.0, 8.0], stand: Some(Stand::Height(4000.0)), look: Some([90.0, -10.0]) });
+    }
+
+    #[test]
+    fn what_is_nowhere_is_refused_with_what_was_expected() {
+        for text in ["", "46", "46 8 x", "46 8 12 13", "north", "46E 8N", "46 8 -5"] {
+            assert!(parse(text).unwrap_err().contains("expected latitude"), "{text}: {:?}", parse(text));
+        }
+        assert!(parse("98 8").unwrap_err().contains("nowhere"));
+        assert!(parse("terrane:1/at=1,2").unwrap_err().contains("altitude"));
+    }
+}

@@ -1,0 +1,158 @@
+//! The interface as it is laid out: a line of status, what is being built, messages, the help, and the panel with everything that can be
+//! chosen.
+//!
+//! In: facts, and the choices so far. Out: the choices as changed, and what was asked for.
+
+mod frames;
+mod help;
+mod light;
+mod mesh;
+mod numbers;
+mod position;
+mod status;
+
+use super::choices::Choices;
+use super::destination::{self, Destination};
+use super::facts::Facts;
+use super::keys::{Command, Keys};
+use egui::{Align2, Area, Context, Id, Key, ScrollArea, TextEdit, Window};
+use frames::FrameTimes;
+use status::Status;
+use std::time::{Duration, Instant};
+
+/// How long a message stays.
+const MESSAGE_TIME: Duration = Duration::from_secs(5);
+/// Width of the panel, in points.
+const WIDTH: f32 = 268.0;
+
+/// What was asked for.
+#[derive(Default)]
+pub(super) struct Asked {
+    pub(super) commands: Vec<Command>,
+    pub(super) destination: Option<Destination>,
+    pub(super) manner: Option<super::viewer::Manner>,
+    pub(super) speed: Option<f64>,
+    /// Degrees.
+    pub(super) fov: Option<f64>,
+}
+
+/// State of the interface.
+pub(super) struct Panel {
+    /// Whether the panel is shown.
+    pub(super) open: bool,
+    /// Whether nothing is shown.
+    pub(super) hidden: bool,
+    /// Whether the help is shown.
+    pub(super) help: bool,
+    /// What is typed as a place, while that is asked for; and why the last was none.
+    going: Option<(String, String)>,
+    message: Option<(String, Instant)>,
+    times: FrameTimes,
+    status: Status,
+}
+
+impl Panel {
+    pub(super) fn new(open: bool) -> Panel {
+        Panel {
+            open,
+            hidden: false,
+            help: false,
+            going: None,
+            message: None,
+            times: FrameTimes::default(),
+            status: Status::default(),
+        }
+    }
+
+    /// Says something for a while.
+    pub(super) fn say(&mut self, message: String) {
+        self.message = Some((message, Instant::now()));
+    }
+
+    /// Counts a frame.
+    pub(super) fn count_frame(&mut self, seconds: f64) {
+        self.times.count(seconds);
+    }
+
+    /// Asks where to go.
+    pub(super) fn ask_where(&mut self) {
+        self.hidden = false;
+        self.going = Some(Default::default());
+    }
+
+    /// Closes what is open over the picture. False if nothing was.
+    pub(super) fn close(&mut self) -> bool {
+        let open = self.help || self.going.is_some();
+        self.help = false;
+        self.going = None;
+        open
+    }
+
+    /// When a message is to vanish.
+    pub(super) fn vanishes(&self) -> Option<Instant> {
+        self.message.as_ref().map(|(_, since)| *since + MESSAGE_TIME)
+    }
+
+    /// Lays out a frame.
+    pub(super) fn show(&mut self, ctx: &Context, facts: &Facts, choices: &mut Choices, keys: &Keys, asked: &mut Asked) {
+        if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() >= MESSAGE_TIME) {
+            self.message = None;
+        }
+        if !self.hidden {
+            self.status.show(ctx, facts, choices, &self.times, keys);
+            if self.open {
+                self.show_panel(ctx, facts, choices, asked);
+            }
+            self.show_going(ctx, asked);
+            if self.help {
+                help::show(ctx, keys, &mut self.help);
+            }
+        }
+        // What is said answers a key press, and is said even where all else is hidden.
+        if let Some((message, _)) = &self.message {
+            let area =
+                Area::new(Id::new("message")).anchor(Align2::CENTER_BOTTOM, [0.0, -28.0]).interactable(false).fade_in(false);
+            area.show(ctx, |ui| egui::Frame::window(ui.style()).show(ui, |ui| ui.label(message)));
+        }
+    }
+
+    fn show_panel(&mut self, ctx: &Context, facts: &Facts, choices: &mut Choices, asked: &mut Asked) {
+        let height = ctx.content_rect().height();
+        let window = Window::new("Panel").title_bar(false).anchor(Align2::LEFT_TOP, [8.0, 30.0]).resizable(false);
+        window.fixed_size([WIDTH, height - 76.0]).show(ctx, |ui| {
+            ScrollArea::vertical().max_height(height - 76.0).auto_shrink([false, true]).show(ui, |ui| {
+                ui.spacing_mut().slider_width = 110.0;
+                position::show(ui, facts, asked);
+                frames::show(ui, facts, &self.times);
+                light::show(ui, facts, choices, asked);
+                mesh::show(ui, facts, choices, asked);
+            });
+        });
+    }
+
+    /// The line to type a place into.
+    fn show_going(&mut self, ctx: &Context, asked: &mut Asked) {
+        let Some((text, problem)) = &mut self.going else { return };
+        let mut done = false;
+        let window = Window::new("Go to").anchor(Align2::CENTER_TOP, [0.0, 60.0]).resizable(false).collapsible(false);
+        window.show(ctx, |ui| {
+            let edit = TextEdit::singleline(text).hint_text("46 8, or 46°30'N 8°E 1200 m, or terrane:…").desired_width(340.0);
+            let field = ui.add(edit);
+            if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
+                match destination::parse(text) {
+                    Ok(destination) => (asked.destination, done) = (Some(destination), true),
+                    Err(found) => *problem = found,
+                }
+            }
+            done |= ui.input(|input| input.key_pressed(Key::Escape));
+            field.request_focus();
+            if !problem.is_empty() {
+                ui.set_max_width(340.0);
+                ui.colored_label(ui.visuals().warn_fg_color, problem.as_str());
+            }
+        });
+        if done {
+            self.going = None;
+        }
+    }
+}
