@@ -1,16 +1,21 @@
 //! Where to go, as people write it: `46 8`, `46°30'N, 8°15'E`, `-38.95, 34.34, 1200 m`, or a view of one line.
 
-use terrane_planet::draw::view_line::{Stand, ViewLine, SCHEME};
+use terrane_planet::draw::view_line::{ViewLine, SCHEME};
 
 /// Somewhere to go to.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Destination {
+pub(super) enum Destination {
+    Site(Site),
+    View(ViewLine),
+}
+
+/// A site, and how far above it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Site {
     /// Latitude and longitude in degrees.
     pub(super) at: [f64; 2],
-    /// How far above that; what suits the viewer if none.
-    pub(super) stand: Option<Stand>,
-    /// Heading and pitch in degrees; what suits the altitude if none.
-    pub(super) look: Option<[f64; 2]>,
+    /// Metres above ground or sea; what suits the viewer if none.
+    pub(super) altitude_m: Option<f64>,
 }
 
 /// What a text asks for.
@@ -20,8 +25,7 @@ pub(super) struct Destination {
 pub(super) fn parse(text: &str) -> Result<Destination, String> {
     let text = text.trim();
     if text.starts_with(SCHEME) {
-        let line: ViewLine = text.parse().map_err(|error| format!("{error}"))?;
-        return Ok(Destination { at: line.at, stand: Some(line.stand), look: line.look });
+        return text.parse().map(Destination::View).map_err(|error| format!("{error}"));
     }
     let expected = || {
         format!("'{text}' is no place: expected latitude and longitude such as 46 8 or 46°30'N 8°E, and a height such as 1200 m if you like")
@@ -29,7 +33,7 @@ pub(super) fn parse(text: &str) -> Result<Destination, String> {
     let mut numbers = Numbers { rest: text };
     let latitude = numbers.angle('N', 'S').ok_or_else(expected)?;
     let longitude = numbers.angle('E', 'W').ok_or_else(expected)?;
-    let stand = if numbers.rest.is_empty() { None } else { Some(numbers.stand().ok_or_else(expected)?) };
+    let altitude_m = if numbers.rest.is_empty() { None } else { Some(numbers.altitude().ok_or_else(expected)?) };
     if !numbers.rest.is_empty() {
         return Err(expected());
     }
@@ -38,7 +42,7 @@ pub(super) fn parse(text: &str) -> Result<Destination, String> {
             "{latitude}, {longitude} is nowhere: expected -90 to 90 degrees north, and -360 to 360 degrees east"
         ));
     }
-    Ok(Destination { at: [latitude, longitude], stand, look: None })
+    Ok(Destination::Site(Site { at: [latitude, longitude], altitude_m }))
 }
 
 /// What is left of a text.
@@ -66,7 +70,7 @@ impl<'a> Numbers<'a> {
     }
 
     /// Metres or kilometres above ground or sea.
-    fn stand(&mut self) -> Option<Stand> {
+    fn altitude(&mut self) -> Option<f64> {
         let number = self.number()?;
         let unit = self.rest;
         self.rest = "";
@@ -75,7 +79,7 @@ impl<'a> Numbers<'a> {
             "km" => number * 1e3,
             _ => return None,
         };
-        (0.5..=1e9).contains(&metres).then_some(Stand::Altitude(metres))
+        (0.5..=1e9).contains(&metres).then_some(metres)
     }
 
     fn number(&mut self) -> Option<f64> {
@@ -107,8 +111,15 @@ fn first_number(text: &str) -> Option<(f64, &str)> {
 mod tests {
     use super::*;
 
+    fn site(text: &str) -> Site {
+        match parse(text) {
+            Ok(Destination::Site(site)) => site,
+            other => panic!("{text}: {other:?}"),
+        }
+    }
+
     fn at(text: &str) -> [f64; 2] {
-        parse(text).unwrap().at
+        site(text).at
     }
 
     #[test]
@@ -123,12 +134,12 @@ mod tests {
 
     #[test]
     fn heights_and_views_come_along() {
-        let stand = |text: &str| parse(text).unwrap().stand;
-        assert_eq!(stand("46 8 1200"), Some(Stand::Altitude(1200.0)));
-        assert_eq!(stand("46N, 8E, 1.5 km"), Some(Stand::Altitude(1500.0)));
-        assert_eq!(stand("46 8"), None);
-        let view = parse("terrane:1/at=46,8/height=4000/look=90,-10").unwrap();
-        assert_eq!(view, Destination { at: [46.0, 8.0], stand: Some(Stand::Height(4000.0)), look: Some([90.0, -10.0]) });
+        let altitude = |text: &str| site(text).altitude_m;
+        assert_eq!(altitude("46 8 1200"), Some(1200.0));
+        assert_eq!(altitude("46N, 8E, 1.5 km"), Some(1500.0));
+        assert_eq!(altitude("46 8"), None);
+        let text = "terrane:1/at=46,8/height=4000/look=90,-10";
+        assert_eq!(parse(text), Ok(Destination::View(text.parse().unwrap())));
     }
 
     #[test]

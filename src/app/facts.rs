@@ -1,5 +1,7 @@
 //! What the interface says of the frame before: a snapshot, so that laying out asks nothing of the scene.
 
+use super::inspection::Inspected;
+use super::outlines::Line;
 use super::viewer::Manner;
 use crate::frame::PerStage;
 use terrane_planet::draw::layout::EmitState;
@@ -50,6 +52,10 @@ pub(super) struct Facts {
     pub(super) device: String,
     /// Whether the selection is frozen.
     pub(super) frozen: bool,
+    /// What was picked.
+    pub(super) picked: Option<Inspected>,
+    /// Lines over the picture.
+    pub(super) lines: Vec<Line>,
 }
 
 impl Facts {

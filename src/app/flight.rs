@@ -2,24 +2,27 @@
 
 use super::choices::Choices;
 use super::facts::Facts;
+use super::host::{Host, Opened, Settings};
+use super::inspection::{inspect, Inspected};
 use super::interface::Interface;
-use super::keys::Command;
 use super::ledger::Ledger;
+use super::outlines::{FrozenView, Line, Outlines};
 use super::pacing::{Due, Motives, Pacing, Scale};
 use super::panel::{Asked, Panel};
 use super::playback::{FlyFrame, Playback};
 use super::pose::Pose;
 use super::surface::DrawnSurface;
 use super::viewer::Viewer;
-use super::{view_line, AppError, FlyOptions, SaveScreenshot};
-use crate::frame::{FrameTables, GuiFrame, PerStage, Renderer};
+use super::{view_line, AppError, FlyOptions};
+use crate::frame::{FrameTables, GuiFrame, Look, PerStage, Renderer};
 use crate::scene::{uploads_within, Scene, SceneOptions, Scope};
-use crate::vulkan::{capture, vk, Access, Commands, Context, Frame, GpuKind, Image, ImageDescription, Swapchain};
-use egui::TexturesDelta;
+use crate::vulkan::{vk, Access, Commands, Context, Frame, GpuKind, Image, ImageDescription, Swapchain};
+use egui::Color32;
+use glam::DVec3;
 use std::sync::Arc;
 use std::time::Instant;
-use terrane_planet::draw::layout::{EmitState, Mode};
-use terrane_planet::draw::view::View;
+use terrane_planet::draw::layout::{EmitState, Mode, Tone};
+use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::globe::sphere::latitude_longitude;
 use terrane_planet::maps::waves::CASCADES;
@@ -31,6 +34,8 @@ const LONGEST_FRAME: f64 = 0.25;
 const ADAPTATION_SECONDS: f64 = 0.6;
 /// Milliseconds that a moving frame may take on a software renderer unless told otherwise: ten frames a second, and some room.
 const SOFTWARE_MS: f64 = 80.0;
+/// Largest error of the mesh in pixels at first.
+pub(super) const USUAL_TOLERANCE: f64 = 1.0;
 /// Frames after which a path begins to be played.
 const FIRST_FRAMES: u64 = 2;
 /// Frames a second where the screen does not say how many it shows.
@@ -52,6 +57,8 @@ pub(super) enum Screenshot {
     Picture,
     /// With the interface in it.
     Window,
+    /// Small, to remember the view by.
+    Bookmark,
 }
 
 /// Everything that a window needs.
@@ -64,17 +71,23 @@ pub(super) struct Flight {
     pub(super) window: Arc<Window>,
     pub(super) selection: Selection,
     pub(super) screenshot: Option<Screenshot>,
-    /// What buttons of the panel asked for, to be done as if keys had.
-    pub(super) wishes: Vec<Command>,
+    /// What the panel asked for that is not done yet.
+    pub(super) asked: Asked,
     /// Text that is to be copied.
     pub(super) copied: Vec<String>,
     /// Where the window began.
     pub(super) home: Pose,
-    context: Arc<Context>,
+    /// The direction of what was picked.
+    pub(super) picked: Option<DVec3>,
+    /// What the selection was frozen with.
+    frozen: Option<FrozenView>,
+    pub(super) context: Arc<Context>,
+    /// What scenes may use and build.
+    options: SceneOptions,
     swapchain: Swapchain,
     renderer: Renderer,
     /// The latest picture, without the interface: frames in which only that changes put it over the same.
-    picture: Option<Image>,
+    pub(super) picture: Option<Image>,
     /// The view as text, as far as nothing changes it.
     line: ViewLine,
     /// Of the latest frame; while frozen, of the frame that stays.
@@ -113,9 +126,11 @@ impl Flight {
         let most_fps = options.most_fps.unwrap_or(shown.map_or(USUAL_FPS, |millihertz| f64::from(millihertz) * 1e-3));
         let mut renderer = Renderer::new(&context, (options.camera.size[0], options.camera.size[1]), format)?;
         renderer.time = options.view.time.unwrap_or(0.0);
+        let mut viewer = Viewer::new(&options.camera, options.keys.clone());
+        viewer.set_speed(options.settings.speed);
         Ok(Flight {
-            viewer: Viewer::new(&options.camera, options.keys.clone()),
-            panel: Panel::new(false),
+            viewer,
+            panel: Panel::new(options.settings.panel),
             interface: Interface::new(&context, &window, format)?,
             choices: Choices {
                 look: options.look,
@@ -129,9 +144,12 @@ impl Flight {
             window,
             selection: Selection::Follows,
             screenshot: None,
-            wishes: Vec::new(),
+            asked: Asked::default(),
             copied: Vec::new(),
             home: Pose::of_camera(&options.camera),
+            picked: None,
+            frozen: None,
+            options: options.scene.clone(),
             renderer,
             context,
             swapchain,
@@ -152,10 +170,6 @@ impl Flight {
             latest: Instant::now(),
             frames: 0,
         })
-    }
-
-    pub(super) fn context(&self) -> &Arc<Context> {
-        &self.context
     }
 
     /// Frames drawn, and the seconds since the first.
@@ -223,7 +237,7 @@ impl Flight {
     }
 
     /// Draws a frame. False if there was nothing to draw to: try again a little later.
-    pub(super) fn draw(&mut self, save: &mut SaveScreenshot) -> Result<bool, AppError> {
+    pub(super) fn draw(&mut self, host: &mut dyn Host) -> Result<bool, AppError> {
         let Some(mut frame) = self.swapchain.acquire()? else { return Ok(false) };
         let (now, slot, size) = (Instant::now(), frame.slot(), frame.target.size());
         self.learn(&frame, now)?;
@@ -251,7 +265,7 @@ impl Flight {
         self.window.pre_present_notify();
         self.swapchain.present(frame)?;
         if let Some(wanted) = self.screenshot.take().filter(|_| anew) {
-            self.save_screenshot(wanted, gui, save)?;
+            self.save_screenshot(wanted, gui, host)?;
         }
         Ok(true)
     }
@@ -288,7 +302,7 @@ impl Flight {
     /// Lays out the interface, and does what it is asked for. What it changes shows in the next frame.
     fn lay_out(&mut self, now: Instant) -> GuiFrame {
         let facts = self.facts();
-        let (mut choices, mut asked) = (self.choices, Asked::default());
+        let (mut choices, mut asked) = (self.choices, std::mem::take(&mut self.asked));
         let (panel, keys) = (&mut self.panel, &self.viewer.keys);
         let gui = self.interface.lay_out(&mut self.copied, |ctx| panel.show(ctx, &facts, &mut choices, keys, &mut asked));
         if choices != self.choices {
@@ -298,7 +312,10 @@ impl Flight {
             // What is slid is to follow the hand.
             self.pacing.moved(now);
         }
-        self.answer(asked);
+        self.answer(&mut asked);
+        // A view may have asked for its planet.
+        asked.open = asked.open.or(self.asked.open.take());
+        self.asked = asked;
         gui
     }
 
@@ -346,6 +363,8 @@ impl Flight {
         self.renderer.record_mesh(commands, &self.scene, &tables)?;
         if freezes {
             self.selection = Selection::Frozen;
+            let leaves = tables.leaves.iter().map(|leaf| leaf.id).collect();
+            self.frozen = Some(FrozenView { camera: view.camera, leaves });
         }
         self.tables = Some(tables);
         Ok(())
@@ -428,7 +447,7 @@ impl Flight {
             look: [pose.heading().to_degrees(), pose.pitch.to_degrees()],
             fov: self.viewer.lens.fov.to_degrees(),
             manner: self.viewer.manner(),
-            speed: self.viewer.speed,
+            speed: self.viewer.speed(),
             places: self.viewer.history.has(),
             has: [recipe.atmosphere.is_some(), recipe.sea.is_some(), recipe.clouds.is_some()],
             counters: self.counters,
@@ -443,35 +462,60 @@ impl Flight {
             density: self.density,
             device: self.context.device_info().name.clone(),
             frozen: self.selection != Selection::Follows,
+            picked: self.inspected(),
+            lines: self.lines(),
         }
     }
 
-    /// Waits for the latest picture and hands it to `save`, with the interface over it if that was wanted.
-    fn save_screenshot(&mut self, wanted: Screenshot, gui: GuiFrame, save: &mut SaveScreenshot) -> Result<(), AppError> {
-        let Some(picture) = &self.picture else { return Ok(()) };
-        let (width, height) = picture.size();
-        let captured = match wanted {
-            Screenshot::Picture => capture(&self.context, picture, (0, 0), Access::TransferRead)?,
-            Screenshot::Window => {
-                // The interface is recorded once more, into buffers of a frame that may be under way.
-                self.context.wait_idle()?;
-                let usage = vk::ImageUsageFlags::COLOR_ATTACHMENT;
-                let image =
-                    Image::new(&self.context, &ImageDescription::new("screenshot", (width, height), picture.format(), usage))?;
-                let gui = GuiFrame { images: TexturesDelta::default(), ..gui };
-                Commands::once(&self.context, "screenshot", |commands| {
-                    commands.found(picture.view(), Access::TransferRead);
-                    commands.ready(&[picture.view().to(Access::TransferRead), image.view().anew(Access::TransferWrite)])?;
-                    commands.copy_to_view(picture, image.view())?;
-                    self.interface.record(commands, image.view(), &gui)
-                })?;
-                capture(&self.context, &image, (0, 0), Access::ColorTarget)?
-            }
-        };
-        let said = save([width, height], &captured.to_rgba8()?, &self.view_line()).unwrap_or_else(|problem| problem);
-        tracing::info!("{said}");
-        self.panel.say(said);
+    fn inspected(&self) -> Option<Inspected> {
+        inspect(&self.scene, &self.view(), self.tables.as_ref()?, self.picked?)
+    }
+
+    /// Lines over the picture.
+    fn lines(&self) -> Vec<Line> {
+        let mut outlines = Outlines::new(&self.scene, self.viewer.pose.camera(&self.viewer.lens));
+        if let (Some(frozen), Selection::Frozen) = (&self.frozen, self.selection) {
+            outlines.add_frozen(frozen);
+        }
+        if let Some(picked) = self.inspected() {
+            let ancestors = std::iter::successors(picked.patch.parent(), |id| id.parent());
+            ancestors.for_each(|id| outlines.add_patch(id, Color32::from_gray(130), 1.0));
+            outlines.add_patch(picked.patch, Color32::WHITE, 2.0);
+        }
+        outlines.lines
+    }
+
+    /// Flies over another planet from now on.
+    ///
+    /// # Errors
+    /// A file that cannot be opened: the planet before stays. Device loss.
+    pub(super) fn open(&mut self, opened: &Opened) -> Result<(), AppError> {
+        self.context.wait_idle()?;
+        let options = SceneOptions { scope: Scope::Flight, ..self.options.clone() };
+        self.scene = Scene::open(&self.context, &opened.file, options)?;
+        self.viewer.appear(&Camera { size: self.viewer.lens.size, ..opened.camera });
+        self.home = self.viewer.pose;
+        self.choices.look = Look { mode: self.choices.look.mode, ..opened.look };
+        self.line = opened.view.clone();
+        (self.tables, self.selection, self.playback) = (None, Selection::Follows, None);
+        (self.picked, self.frozen) = (None, None);
+        self.window.set_title(&format!("Terrane: {}", opened.file.display()));
+        self.touch();
         Ok(())
+    }
+
+    /// What to choose again in the next window.
+    pub(super) fn settings(&self) -> Settings {
+        let choices = &self.choices;
+        Settings {
+            panel: self.panel.open,
+            speed: self.viewer.speed(),
+            tolerance: Some(choices.tolerance).filter(|tolerance| *tolerance != USUAL_TOLERANCE),
+            geomorphs: choices.geomorphs,
+            scale: if let Scale::Fixed(density) = choices.scale { Some(density) } else { None },
+            tone: Some(choices.look.tone).filter(|tone| *tone != Tone::Neutral).map(|tone| tone.name().to_owned()),
+            recent: self.panel.recent.clone(),
+        }
     }
 }
 

@@ -50,6 +50,8 @@ pub(super) enum Command {
     Geomorphs,
     /// Freeze or thaw the selection.
     Freeze,
+    /// Pick what is under the cursor, or no longer.
+    Inspect,
     /// Save a picture; with the interface in it, if `true`.
     Screenshot(bool),
     /// Fill the screen, or no longer.
@@ -84,7 +86,7 @@ const fn action<T>(name: &'static str, keys: &'static [&'static str], words: &'s
     Action { name, keys, words, does }
 }
 
-const COMMANDS: [Action<Command>; 32] = [
+const COMMANDS: [Action<Command>; 33] = [
     action("help", &["F1"], "show or hide this list", Command::Help),
     action("panel", &["F2"], "show or hide the panel", Command::Panel),
     action("hide", &["F3"], "show or hide everything but the picture", Command::Hide),
@@ -112,6 +114,7 @@ const COMMANDS: [Action<Command>; 32] = [
     action("clouds", &["K"], "clouds on and off", Command::Clouds),
     action("geomorphs", &["T"], "geomorphs on and off", Command::Geomorphs),
     action("freeze", &["Z"], "freeze the selection, to look at it from elsewhere", Command::Freeze),
+    action("inspect", &["I"], "pick what is under the cursor: its patch and what is known of it", Command::Inspect),
     action("sun_earlier", &["BracketLeft"], "move the sun back", Command::Sun(-1.0)),
     action("sun_later", &["BracketRight"], "move the sun on", Command::Sun(1.0)),
     action("zoom_in", &["+", "="], "orbit: come nearer", Command::Zoom(1.0)),

@@ -10,21 +10,26 @@ mod facts;
 mod flight;
 mod fly_camera;
 mod history;
+mod host;
+mod inspection;
 mod interface;
 mod journey;
 mod keys;
 mod ledger;
 mod orbit_camera;
 mod orders;
+mod outlines;
 mod pacing;
 mod panel;
 mod playback;
 mod pose;
+mod screenshots;
 mod surface;
 mod view_line;
 mod viewer;
 mod walk_camera;
 
+pub use host::{Bookmark, Host, Opened, Picture, Settings};
 pub use keys::{Keys, KeysError};
 pub use pacing::{Scale, DENSITIES};
 pub use playback::FlyFrame;
@@ -35,6 +40,7 @@ use crate::vulkan::{ContextOptions, ValidationMessage, VulkanError};
 use flight::Flight;
 use keys::Command;
 use pacing::Due;
+use panel::Asked;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -83,18 +89,6 @@ pub enum AppError {
     Vulkan(#[from] VulkanError),
 }
 
-/// Saves a picture: size, RGBA bytes row by row, and the view. Returns what to tell the user, in either case.
-pub type SaveScreenshot = Box<dyn FnMut([u32; 2], &[u8], &ViewLine) -> Result<String, String>>;
-
-/// The clipboard, where there is one.
-pub trait Clipboard {
-    /// Hands text to the user. Returns what to tell them of it.
-    fn copy(&mut self, text: &str) -> String;
-
-    /// What the user has copied.
-    fn paste(&mut self) -> Option<String>;
-}
-
 /// How to fly.
 pub struct FlyOptions {
     /// Planet file.
@@ -125,10 +119,10 @@ pub struct FlyOptions {
     pub scene: SceneOptions,
     /// What is known of the view beside camera and look: planet, spacing and so on; and for how many seconds waves have run.
     pub view: ViewLine,
-    /// Takes screenshots.
-    pub save: SaveScreenshot,
-    /// Takes views as text, and what is copied from text fields.
-    pub clipboard: Box<dyn Clipboard>,
+    /// What the user chose before.
+    pub settings: Settings,
+    /// Files, the clipboard, other planets.
+    pub host: Box<dyn Host>,
 }
 
 /// What a flight was.
@@ -205,16 +199,50 @@ impl App {
 
     fn redraw(&mut self, events: &ActiveEventLoop) {
         let Some(flight) = &mut self.flight else { return };
-        match flight.draw(&mut self.options.save) {
+        match flight.draw(self.options.host.as_mut()) {
             Ok(drawn) => self.retry_at = (!drawn).then(|| Instant::now() + RETRY),
             Err(error) => return self.fail(events, error),
         }
         for text in flight.copied.drain(..) {
-            self.options.clipboard.copy(&text);
+            self.options.host.copy(&text);
         }
-        for command in std::mem::take(&mut flight.wishes) {
+        let asked = std::mem::take(&mut flight.asked);
+        self.ask_host(&asked);
+        for command in asked.commands {
             self.obey(events, command);
         }
+    }
+
+    /// Asks the host for what the panel was asked for.
+    fn ask_host(&mut self, asked: &Asked) {
+        let (Some(flight), host) = (&mut self.flight, &mut self.options.host) else { return };
+        if let Some(name) = &asked.forget {
+            let said = host.remove_bookmark(name).map_or_else(|problem| problem, |()| format!("forgot {name}"));
+            flight.panel.say(said);
+            flight.panel.set_bookmarks(host.bookmarks());
+        }
+        if asked.reset {
+            flight.reset();
+            flight.panel.say("all settings are as they are at first".to_owned());
+        }
+        if let Some(what) = &asked.open {
+            self.open_other(what);
+        }
+    }
+
+    /// Flies over another planet.
+    fn open_other(&mut self, what: &str) {
+        let (Some(flight), host) = (&mut self.flight, &mut self.options.host) else { return };
+        let opened = host.open(what).and_then(|opened| flight.open(&opened).map_err(|error| error.to_string()).map(|()| opened));
+        match opened {
+            Ok(opened) => {
+                self.options.settings.note_opened(&opened.name);
+                flight.panel.recent = self.options.settings.recent.clone();
+                flight.panel.say(format!("over {}", flight.scene.planet().recipe.name));
+            }
+            Err(problem) => flight.panel.say(problem),
+        }
+        flight.touch();
     }
 
     fn obey(&mut self, events: &ActiveEventLoop, command: Command) {
@@ -223,7 +251,7 @@ impl App {
             Command::Quit if flight.panel.close() => flight.touch_interface(),
             Command::Quit => events.exit(),
             Command::CopyView => {
-                let said = self.options.clipboard.copy(&flight.view_line().to_string());
+                let said = self.options.host.copy(&flight.view_line().to_string());
                 flight.panel.say(said);
                 flight.touch_interface();
             }
@@ -280,7 +308,13 @@ impl ApplicationHandler for App {
             return;
         }
         match self.open(events) {
-            Ok(flight) => self.flight = Some(flight),
+            Ok(mut flight) => {
+                let host = &mut self.options.host;
+                flight.panel.set_bookmarks(host.bookmarks());
+                flight.panel.planets = host.planets();
+                flight.panel.recent = self.options.settings.recent.clone();
+                self.flight = Some(flight);
+            }
             Err(error) => self.fail(events, error),
         }
     }
@@ -291,7 +325,7 @@ impl ApplicationHandler for App {
                 flight.touch_interface();
                 let pasted = flight.interface.is_typing() && is_paste(&event, self.modifiers);
                 if pasted {
-                    self.options.clipboard.paste().into_iter().for_each(|text| flight.interface.paste(text));
+                    self.options.host.paste().into_iter().for_each(|text| flight.interface.paste(text));
                 }
                 if pasted || flight.interface.takes(&event) {
                     return;
@@ -303,6 +337,7 @@ impl ApplicationHandler for App {
             WindowEvent::RedrawRequested => self.redraw(events),
             WindowEvent::Occluded(hidden) => self.hidden = *hidden,
             WindowEvent::KeyboardInput { event, .. } => self.key(events, event),
+            WindowEvent::DroppedFile(path) => self.open_other(&path.to_string_lossy()),
             WindowEvent::ModifiersChanged(modifiers) => self.modifiers = modifiers.state(),
             WindowEvent::Resized(size) => {
                 if let Some(flight) = &mut self.flight {
@@ -340,9 +375,12 @@ impl ApplicationHandler for App {
 
     fn exiting(&mut self, _: &ActiveEventLoop) {
         let Some(mut flight) = self.flight.take() else { return };
-        let log = flight.context().message_log();
+        let log = flight.context.message_log();
         (self.report.frames, self.report.seconds) = flight.pace();
         self.report.rows = flight.rows();
+        if let Err(problem) = self.options.host.keep(&flight.settings()) {
+            tracing::warn!("{problem}");
+        }
         drop(flight);
         self.report.messages = log.all();
     }

@@ -1,17 +1,21 @@
 //! What keys and the panel ask for, done. In: commands and what was chosen. Out: a flight that follows them.
 
-use super::destination::Destination;
-use super::flight::{Flight, Screenshot, Selection};
+use super::choices::Choices;
+use super::destination::Site;
+use super::flight::{Flight, Screenshot, Selection, USUAL_TOLERANCE};
+use super::host::Settings;
 use super::keys::{next_mode, Command};
 use super::orbit_camera::resting_pitch;
 use super::panel::Asked;
 use super::pose::Pose;
 use super::surface::{DrawnSurface, Surface};
+use crate::frame::{sun_over, Look};
 use glam::DQuat;
 use terrane_planet::draw::layout::Mode;
 use terrane_planet::draw::view::{local_frame, Camera};
-use terrane_planet::draw::view_line::Stand;
+use terrane_planet::draw::view_line::{Daylight, Exposure, Stand, ViewLine};
 use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::globe::sun;
 use winit::window::Fullscreen;
 
 /// Radians that the sun moves along its daily course with each key press.
@@ -25,7 +29,8 @@ impl Flight {
         let surface = &DrawnSurface::of_scene(&self.scene, self.choices.look.sea);
         let look = &mut self.choices.look;
         match command {
-            Command::Quit | Command::CopyView | Command::Bookmark => {}
+            Command::Quit | Command::CopyView => {}
+            Command::Bookmark => self.screenshot = Some(Screenshot::Bookmark),
             Command::Help => self.panel.help = !self.panel.help,
             Command::Panel => self.panel.open = !self.panel.open,
             Command::Hide => self.panel.hidden = !self.panel.hidden,
@@ -57,6 +62,13 @@ impl Flight {
             Command::Screenshot(of_window) => {
                 self.screenshot = Some(if of_window { Screenshot::Window } else { Screenshot::Picture });
             }
+            Command::Inspect if self.picked.is_some() => self.picked = None,
+            Command::Inspect => {
+                self.picked = self.viewer.site_under_cursor(surface);
+                if self.picked.is_none() {
+                    self.panel.say("nothing is there: put the cursor on the planet".to_owned());
+                }
+            }
             Command::Fullscreen => {
                 let full = self.window.fullscreen().is_none().then_some(Fullscreen::Borderless(None));
                 self.window.set_fullscreen(full);
@@ -68,47 +80,92 @@ impl Flight {
         self.touch();
     }
 
-    /// Does what the panel was asked for; its commands are done with those of the keys.
-    pub(super) fn answer(&mut self, asked: Asked) {
-        let Asked { commands, destination, manner, speed, fov } = asked;
-        if let Some(destination) = destination {
-            self.go_to(&destination);
+    /// Does what the panel was asked for; its commands are done with those of the keys, and what the host is asked for by the window.
+    pub(super) fn answer(&mut self, asked: &mut Asked) {
+        if let Some(site) = asked.destination.take() {
+            self.go_to(&site);
         }
-        if let Some(manner) = manner {
+        if let Some(manner) = asked.manner.take() {
             self.viewer.set_manner(manner);
         }
-        self.viewer.speed = speed.unwrap_or(self.viewer.speed);
-        if let Some(degrees) = fov {
+        if let Some(speed) = asked.speed.take() {
+            self.viewer.set_speed(speed);
+        }
+        if let Some(degrees) = asked.fov.take() {
             self.viewer.lens.fov = degrees.to_radians();
             self.touch();
         }
-        self.wishes.extend(commands);
+        if let Some(view) = asked.view.take() {
+            self.show_view(&view);
+        }
     }
 
-    /// Flies to a place.
-    pub(super) fn go_to(&mut self, destination: &Destination) {
-        let pose = self.pose_at(destination);
+    /// Flies to a site, to look north from there.
+    fn go_to(&mut self, site: &Site) {
+        let planet = self.scene.planet();
+        let (direction, radius) = (direction_at(site.at[0], site.at[1]), planet.recipe.radius);
+        let usual = || self.viewer.altitude(&self.surface()).min(ARRIVAL * radius);
+        let height = planet.surface_height(direction) + site.altitude_m.unwrap_or_else(usual);
+        let position = direction * (radius + height);
+        self.fly_to(Pose::new(position, local_frame(position).y_axis, resting_pitch(height, radius)));
+    }
+
+    fn fly_to(&mut self, pose: Pose) {
         self.viewer.fly_to(pose, &DrawnSurface::of_scene(&self.scene, self.choices.look.sea));
         self.touch();
     }
 
-    /// Where a viewer stands at a place, as far as the ground there is known.
-    fn pose_at(&self, destination: &Destination) -> Pose {
+    /// Flies to a view, and looks as it does.
+    pub(super) fn show_view(&mut self, view: &ViewLine) {
         let planet = self.scene.planet();
-        let direction = direction_at(destination.at[0], destination.at[1]);
-        let radius = planet.recipe.radius;
-        let usual = || self.viewer.altitude(&self.surface()).min(ARRIVAL * radius);
-        let height = match destination.stand {
-            Some(Stand::Height(metres)) => metres,
-            Some(Stand::Altitude(metres)) => planet.surface_height(direction) + metres,
-            None => planet.surface_height(direction) + usual(),
-        };
-        let position = direction * (radius + height);
-        match destination.look {
-            Some([heading, pitch]) => {
-                Pose::of_camera(&Camera::looking(position, heading, pitch, self.viewer.lens.fov, self.viewer.lens.size))
-            }
-            None => Pose::new(position, local_frame(position).y_axis, resting_pitch(height, radius)),
+        if view.planet.as_ref().is_some_and(|name| *name != planet.recipe.name) {
+            // Its planet is opened first.
+            self.asked.open = Some(view.to_string());
+            return;
         }
+        let direction = direction_at(view.at[0], view.at[1]);
+        let height = match view.stand {
+            Stand::Height(metres) => metres,
+            Stand::Altitude(metres) => planet.surface_height(direction) + metres,
+        };
+        let position = direction * (planet.recipe.radius + height);
+        self.viewer.lens.fov = view.fov.map_or(self.viewer.lens.fov, f64::to_radians);
+        let lens = self.viewer.lens;
+        let [heading, pitch] = view.look.unwrap_or([0.0, resting_pitch(height, planet.recipe.radius).to_degrees()]);
+        let tilt = planet.recipe.axial_tilt;
+        let look = &mut self.choices.look;
+        look.sun = match view.daylight {
+            Some(Daylight::Over([azimuth, elevation])) => sun_over(direction, azimuth, elevation),
+            Some(Daylight::Date(second)) => sun::direction(second as f64, tilt),
+            None => look.sun,
+        };
+        match view.exposure {
+            Some(Exposure::Auto) => (look.exposure, look.metering) = (1.0, Some(0.0)),
+            Some(Exposure::Fixed(factor)) => (look.exposure, look.metering) = (factor, None),
+            None => {}
+        }
+        look.mode = view.mode.unwrap_or(Mode::Shaded);
+        look.tone = view.tone.unwrap_or(look.tone);
+        (look.clouds, look.sea, look.air, look.shadows) = (!view.clear_sky, !view.no_sea, !view.no_air, !view.no_shadows);
+        self.choices.geomorphs = !view.no_geomorphs;
+        self.choices.orientation = view.orientation;
+        self.choices.tolerance = view.error.unwrap_or(self.choices.tolerance);
+        self.fly_to(Pose::of_camera(&Camera::looking(position, heading, pitch, lens.fov, lens.size)));
+    }
+
+    /// Chooses everything as it is at first.
+    pub(super) fn reset(&mut self) {
+        let Settings { speed, geomorphs, .. } = Settings::default();
+        self.viewer.set_speed(speed);
+        self.choices.geomorphs = geomorphs;
+        let look = Look { mode: self.choices.look.mode, ..Look::daylight(self.choices.look.sun) };
+        self.choices = Choices {
+            look: Look { metering: Some(0.0), ..look },
+            tolerance: USUAL_TOLERANCE,
+            orientation: false,
+            scale: self.choices.budget,
+            ..self.choices
+        };
+        self.touch();
     }
 }

@@ -75,11 +75,11 @@ pub(super) struct Viewer {
     pub(super) held: Held,
     /// What they mean.
     pub(super) keys: Keys,
-    /// Factor of the speed of free flight and of walking.
-    pub(super) speed: f64,
     /// Places that the viewer flew to.
     pub(super) history: History,
     manner: Manner,
+    /// Factor of the speed of free flight and of walking.
+    speed: f64,
     orbit: OrbitCamera,
     flight: FlyCamera,
     walk: WalkCamera,
@@ -99,9 +99,9 @@ impl Viewer {
             lens,
             held: Held::default(),
             keys,
-            speed: 1.0,
             history: History::default(),
             manner: Manner::Orbit,
+            speed: 1.0,
             orbit: OrbitCamera::default(),
             flight: FlyCamera::default(),
             walk: WalkCamera::default(),
@@ -110,6 +110,13 @@ impl Viewer {
             button: None,
             pressed: None,
         }
+    }
+
+    /// Is at a camera all at once, in orbit, as over another planet: places before are forgotten.
+    pub(super) fn appear(&mut self, camera: &Camera) {
+        self.rest();
+        (self.pose, self.lens) = (Pose::of_camera(camera), Lens { fov: camera.fov, size: camera.size });
+        (self.manner, self.history) = (Manner::Orbit, History::default());
     }
 
     /// Which camera moves the viewer.
@@ -121,6 +128,21 @@ impl Viewer {
     pub(super) fn set_manner(&mut self, manner: Manner) {
         self.manner = manner;
         self.rest();
+    }
+
+    /// The ground or sea under the cursor, as a unit direction from the planet's centre. None where there is none.
+    pub(super) fn site_under_cursor(&self, surface: &dyn Surface) -> Option<DVec3> {
+        surface.meet(self.pose.position, self.pose.ray(&self.lens, self.cursor)).map(DVec3::normalize)
+    }
+
+    /// Factor of the speed of free flight and of walking.
+    pub(super) fn speed(&self) -> f64 {
+        self.speed
+    }
+
+    /// Sets it, as far as it is a speed.
+    pub(super) fn set_speed(&mut self, speed: f64) {
+        self.speed = if speed.is_finite() { speed.clamp(SPEEDS.0, SPEEDS.1) } else { 1.0 };
     }
 
     /// Ends all motion.
@@ -214,7 +236,7 @@ impl Viewer {
         if self.manner == Manner::Orbit {
             self.orbit.wheel(notches);
         } else {
-            self.speed = (self.speed * SPEED_PER_NOTCH.powf(notches)).clamp(SPEEDS.0, SPEEDS.1);
+            self.set_speed(self.speed * SPEED_PER_NOTCH.powf(notches));
         }
     }
 

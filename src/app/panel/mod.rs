@@ -5,20 +5,26 @@
 
 mod frames;
 mod help;
+mod inspected;
 mod light;
 mod mesh;
 mod numbers;
+mod planets;
 mod position;
 mod status;
+mod views;
 
 use super::choices::Choices;
-use super::destination::{self, Destination};
+use super::destination::{self, Destination, Site};
 use super::facts::Facts;
+use super::host::Bookmark;
 use super::keys::{Command, Keys};
 use egui::{Align2, Area, Context, Id, Key, ScrollArea, TextEdit, Window};
 use frames::FrameTimes;
 use status::Status;
 use std::time::{Duration, Instant};
+use terrane_planet::draw::view_line::ViewLine;
+use views::Shelved;
 
 /// How long a message stays.
 const MESSAGE_TIME: Duration = Duration::from_secs(5);
@@ -29,11 +35,19 @@ const WIDTH: f32 = 268.0;
 #[derive(Default)]
 pub(super) struct Asked {
     pub(super) commands: Vec<Command>,
-    pub(super) destination: Option<Destination>,
+    pub(super) destination: Option<Site>,
     pub(super) manner: Option<super::viewer::Manner>,
     pub(super) speed: Option<f64>,
     /// Degrees.
     pub(super) fov: Option<f64>,
+    /// A view to fly to.
+    pub(super) view: Option<ViewLine>,
+    /// The name of a view to forget.
+    pub(super) forget: Option<String>,
+    /// A planet, a picture or a view to open.
+    pub(super) open: Option<String>,
+    /// Whether settings are to be as they are at first.
+    pub(super) reset: bool,
 }
 
 /// State of the interface.
@@ -49,6 +63,13 @@ pub(super) struct Panel {
     message: Option<(String, Instant)>,
     times: FrameTimes,
     status: Status,
+    shelf: Vec<Shelved>,
+    /// What is typed as the name of a view, and as a planet to open.
+    name: String,
+    opening: String,
+    /// Names of planets that can always be opened, and those opened lately.
+    pub(super) planets: Vec<String>,
+    pub(super) recent: Vec<String>,
 }
 
 impl Panel {
@@ -61,6 +82,26 @@ impl Panel {
             message: None,
             times: FrameTimes::default(),
             status: Status::default(),
+            shelf: Vec::new(),
+            name: String::new(),
+            opening: String::new(),
+            planets: Vec::new(),
+            recent: Vec::new(),
+        }
+    }
+
+    /// The views that the user remembers, from now on.
+    pub(super) fn set_bookmarks(&mut self, bookmarks: Vec<Bookmark>) {
+        self.shelf = bookmarks.into_iter().map(Shelved::new).collect();
+    }
+
+    /// The name that was typed for a view, or one that tells where it is.
+    pub(super) fn take_name(&mut self, site: [f64; 2]) -> String {
+        let typed = std::mem::take(&mut self.name).trim().to_owned();
+        if typed.is_empty() {
+            numbers::site(site)
+        } else {
+            typed
         }
     }
 
@@ -98,7 +139,11 @@ impl Panel {
         if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() >= MESSAGE_TIME) {
             self.message = None;
         }
+        inspected::draw(ctx, &facts.lines);
         if !self.hidden {
+            if facts.picked.as_ref().is_some_and(|picked| !inspected::show(ctx, picked)) {
+                asked.commands.push(Command::Inspect);
+            }
             self.status.show(ctx, facts, choices, &self.times, keys);
             if self.open {
                 self.show_panel(ctx, facts, choices, asked);
@@ -126,6 +171,8 @@ impl Panel {
                 frames::show(ui, facts, &self.times);
                 light::show(ui, facts, choices, asked);
                 mesh::show(ui, facts, choices, asked);
+                views::show(ui, &mut self.shelf, &mut self.name, asked);
+                planets::show(ui, &self.planets, &self.recent, &mut self.opening, asked);
             });
         });
     }
@@ -140,7 +187,8 @@ impl Panel {
             let field = ui.add(edit);
             if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
                 match destination::parse(text) {
-                    Ok(destination) => (asked.destination, done) = (Some(destination), true),
+                    Ok(Destination::View(view)) => (asked.view, done) = (Some(view), true),
+                    Ok(Destination::Site(site)) => (asked.destination, done) = (Some(site), true),
                     Err(found) => *problem = found,
                 }
             }

@@ -108,7 +108,7 @@ pub(crate) fn report_messages(messages: &[ValidationMessage]) -> anyhow::Result<
 }
 
 /// Where the camera is and what it resolves.
-#[derive(clap::Args, Clone)]
+#[derive(clap::Args, Clone, Default)]
 pub(crate) struct CameraOptions {
     /// Latitude and longitude in degrees, and metres above the ground or the sea there; by default the whole planet from afar.
     #[arg(long, value_name = "LAT,LON,ALT_M", value_parser = numbers::<3>, allow_hyphen_values = true)]
@@ -175,6 +175,17 @@ impl CameraOptions {
     /// Largest error of the mesh in pixels.
     pub(crate) fn error(&self) -> f64 {
         self.error.unwrap_or(DEFAULT_ERROR)
+    }
+
+    /// The same without a place of its own: a whole planet from afar.
+    pub(crate) fn of_whole_planet(&self) -> CameraOptions {
+        CameraOptions { at: None, look: None, time: None, above_datum: false, ..self.clone() }
+    }
+
+    /// Takes a tolerance where none was given.
+    pub(crate) fn choose_error(&mut self, pixels: Option<f64>) {
+        let (least, most) = TOLERANCE_RANGE;
+        self.error = self.error.or(pixels.filter(|pixels| (least..=most).contains(pixels)));
     }
 
     /// Seconds that waves have run.

@@ -1,21 +1,26 @@
 //! `terrane fly`: the planet in a window.
 
+mod bookmarks;
+mod host;
+mod settings;
+
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
 use super::paths::load_path;
-use super::planets::{planet_file, FILE};
-use super::viewing::{report_messages, CameraOptions, Exposure};
-use super::views::{check_planet, given, note_planet, HELP as HELP_VIEW, VALUE};
+use super::planets::FILE;
+use super::viewing::{report_messages, CameraOptions};
+use super::views::{given, HELP as HELP_VIEW, VALUE};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::{bail, Context as _};
+use bookmarks::Shelf;
+use host::CommandHost;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use terrane::app::{fly, Clipboard, FlyFrame, FlyOptions, Keys, Scale};
-use terrane_planet::draw::view_line::ViewLine;
-use terrane_planet::planet::Planet;
-use terrane_planet::store::PlanetFile;
+use terrane::app::{fly, FlyFrame, FlyOptions, Keys, Scale, Settings};
+use terrane_planet::draw::layout::Tone;
+use terrane_planet::draw::view_line::{Stand, ViewLine};
 
 /// The planet unless told otherwise.
 const USUAL: &str = "terra";
@@ -84,46 +89,44 @@ fn positive(text: &str) -> anyhow::Result<f64> {
 
 impl Run for Fly {
     fn run(mut self) -> anyhow::Result<Outcome> {
-        let keys = keys()?;
+        let keys = settings::keys()?;
         if self.keys {
             print!("{}", keys.to_toml());
             return Ok(Outcome::Done);
         }
-        if let Some(line) = &self.view {
-            self.camera.take(line);
-            self.draw.take(line);
-        }
         check_output("--screenshots", &self.screenshots, Output::Folder)?;
+        let mut settings = settings::load();
+        self.choose(&settings);
         let seen = self.view.as_ref().filter(|line| line.planet.is_some());
         let given = self.file.as_deref().or(if seen.is_none() { Some(Path::new(USUAL)) } else { None });
-        let place = planet_file(given, seen)?;
-        let planet = Planet::from_header(PlanetFile::open(place.path())?.header())?;
-        self.view.iter().for_each(|line| check_planet(line, &planet));
-        let camera = self.camera.camera(&planet)?;
-        let mut view = self.camera.line(&planet)?;
-        note_planet(&mut view, &planet);
-        self.draw.note(&mut view, Exposure::Auto);
-        let folder = self.screenshots;
+        let mut host = CommandHost {
+            screenshots: self.screenshots.clone(),
+            draw: self.draw.clone(),
+            camera: self.camera.clone(),
+            places: Vec::new(),
+            shelf: Shelf::of_user(),
+            clipboard: None,
+        };
+        let opened = host.find(given, self.view.as_ref())?;
+        settings.note_opened(&opened.name);
         let path = self.path.as_deref().map(load_path).transpose()?;
         let (report, ended) = fly(FlyOptions {
-            file: place.path().to_owned(),
-            scale: self.scale.0.map(Scale::Fixed).or(self.frame_ms.map(Scale::Within)),
+            file: opened.file,
+            scale: self.scale.0.or(settings.scale).map(Scale::Fixed).or(self.frame_ms.map(Scale::Within)),
             most_fps: self.max_fps,
             keys,
             path,
             stand: self.report.as_ref().map(|_| STANDS),
             context: self.draw.gpu.options(),
-            camera,
+            camera: opened.camera,
             scene: self.draw.patches.options()?,
-            look: self.draw.look.look(&planet.recipe, self.camera.site(), Exposure::Auto),
+            look: opened.look,
             tolerance: self.camera.error(),
             geomorphs: self.draw.mesh.geomorphs(),
             orientation: self.draw.mesh.orientation(),
-            view,
-            save: Box::new(move |size, pixels, view| {
-                save(&folder, size, pixels, view).map_err(|error| format!("not saved: {error:#}"))
-            }),
-            clipboard: Box::new(SystemClipboard::default()),
+            view: opened.view,
+            settings,
+            host: Box::new(host),
         });
         let reported = report_messages(&report.messages);
         ended?;
@@ -136,14 +139,19 @@ impl Run for Fly {
     }
 }
 
-/// The usual keys, but for what the user's file says otherwise.
-fn keys() -> anyhow::Result<Keys> {
-    let folders = directories::ProjectDirs::from("", "", "terrane");
-    let Some(file) = folders.map(|folders| folders.config_dir().join("keys.toml")).filter(|file| file.exists()) else {
-        return Ok(Keys::default());
-    };
-    let text = std::fs::read_to_string(&file).with_context(|| format!("cannot read the keys {}", file.display()))?;
-    Keys::from_toml(&text).with_context(|| format!("{}", file.display()))
+impl Fly {
+    /// Takes from the view what was not given, and from the settings what neither says.
+    fn choose(&mut self, settings: &Settings) {
+        let mut usual = ViewLine::from_site([0.0; 2], Stand::Height(0.0));
+        usual.no_geomorphs = !settings.geomorphs && self.view.is_none();
+        usual.tone = settings.tone.as_ref().and_then(|name| Tone::ALL.into_iter().find(|tone| tone.name() == name));
+        if let Some(line) = &self.view {
+            self.camera.take(line);
+            self.draw.take(line);
+        }
+        self.draw.take(&usual);
+        self.camera.choose_error(settings.tolerance);
+    }
 }
 
 /// Writes what every frame cost.
@@ -156,41 +164,4 @@ fn write_frames(out: &Path, frames: &[FlyFrame]) -> anyhow::Result<()> {
     };
     let text = serde_json::to_string_pretty(&frames.iter().map(row).collect::<Value>())?;
     pictures::write_whole(out, text.as_bytes()).with_context(|| format!("cannot write the frames {}", out.display()))
-}
-
-/// The system's clipboard, opened when it is first wanted. It keeps what it was given until the window is closed, or a clipboard manager
-/// beyond that.
-#[derive(Default)]
-struct SystemClipboard(Option<arboard::Clipboard>);
-
-impl SystemClipboard {
-    fn open(&mut self) -> Option<&mut arboard::Clipboard> {
-        if self.0.is_none() {
-            self.0 = arboard::Clipboard::new().inspect_err(|error| tracing::info!(%error, "no clipboard")).ok();
-        }
-        self.0.as_mut()
-    }
-}
-
-impl Clipboard for SystemClipboard {
-    fn copy(&mut self, text: &str) -> String {
-        println!("{text}");
-        match self.open().map(|clipboard| clipboard.set_text(text)) {
-            Some(Ok(())) => "copied, and in the terminal".to_owned(),
-            Some(Err(error)) => format!("it is in the terminal; the clipboard refused it: {error}"),
-            None => "it is in the terminal; there is no clipboard".to_owned(),
-        }
-    }
-
-    fn paste(&mut self) -> Option<String> {
-        self.open()?.get_text().ok()
-    }
-}
-
-/// Saves a picture under the first number that is free.
-fn save(folder: &Path, size: [u32; 2], pixels: &[u8], view: &ViewLine) -> anyhow::Result<String> {
-    let mut paths = (1u32..).map(|number| folder.join(format!("terrane-{number}.png")));
-    let path = paths.find(|path| !path.exists()).unwrap_or_else(|| folder.join("terrane.png"));
-    pictures::write_png(&path, size, pixels, Some(view))?;
-    Ok(format!("saved {}", path.display()))
 }

@@ -1,0 +1,149 @@
+//! Lines over the picture that show what else cannot be seen: borders of patches, and the frustum of a frozen selection.
+//!
+//! In: a scene and a camera. Out: lines in pixels. They are not hidden by the ground, only by the planet's round.
+
+use crate::scene::Scene;
+use egui::Color32;
+use glam::DVec3;
+use terrane_planet::draw::view::Camera;
+use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::sphere::direction;
+
+/// Parts that a patch's side is drawn in; a power of two.
+const PARTS: u32 = 8;
+/// Most patches whose borders are drawn.
+const MOST_PATCHES: usize = 1500;
+/// How far a frustum's edges reach that meet no ground, in distances from its camera to the planet's centre.
+const REACH: f64 = 2.0;
+/// Metres, and a share of the distance, by which lines float above the ground.
+const LIFT: f64 = 0.5;
+
+/// Points in pixels, joined in order.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Line {
+    pub(super) points: Vec<[f32; 2]>,
+    pub(super) color: Color32,
+    pub(super) width: f32,
+}
+
+/// What a selection was frozen with.
+pub(super) struct FrozenView {
+    pub(super) camera: Camera,
+    pub(super) leaves: Vec<PatchId>,
+}
+
+/// Where a point is seen, in pixels. None behind the camera.
+pub(super) fn project(camera: &Camera, point: DVec3) -> Option<[f32; 2]> {
+    let away = point - camera.position;
+    let depth = away.dot(camera.forward);
+    if depth <= 0.0 {
+        return None;
+    }
+    let (h, v) = camera.half_extents();
+    let (x, y) = (away.dot(camera.right()) / (depth * h), away.dot(camera.up) / (depth * v));
+    let [width, height] = camera.size.map(f64::from);
+    Some([(0.5 * (1.0 + x) * width) as f32, (0.5 * (1.0 - y) * height) as f32])
+}
+
+/// Collects lines of a picture.
+pub(super) struct Outlines<'a> {
+    scene: &'a Scene,
+    camera: Camera,
+    /// Cosine of the angle at the planet's centre beyond which a ball of its radius hides what is on it.
+    horizon: f64,
+    pub(super) lines: Vec<Line>,
+}
+
+impl<'a> Outlines<'a> {
+    pub(super) fn new(scene: &'a Scene, camera: Camera) -> Outlines<'a> {
+        let (lowest, highest) = scene.planet().terrain.height_range();
+        let (radius, highest) = (scene.planet().recipe.radius + lowest, highest - lowest);
+        let dip = |height: f64| (radius / (radius + height.max(1.0))).min(1.0).acos();
+        let horizon = (dip(camera.position.length() - radius) + dip(highest)).cos();
+        Outlines { scene, camera, horizon, lines: Vec::new() }
+    }
+
+    /// The border of a patch, on the ground that is drawn.
+    pub(super) fn add_patch(&mut self, id: PatchId, color: Color32, width: f32) {
+        let last = PARTS as i32;
+        let ways: [fn(i32, i32) -> (i32, i32); 4] =
+            [|k, _| (k, 0), |k, last| (last, k), |k, last| (last - k, last), |k, last| (0, last - k)];
+        let around = ways.into_iter().flat_map(|way| (0..last).map(move |k| way(k, last)));
+        let points: Vec<Option<[f32; 2]>> =
+            around.chain([(0, 0)]).map(|(a, b)| self.on_ground(direction(id.point(a, b, PARTS)))).collect();
+        self.add_seen(&points, color, width);
+    }
+
+    /// What a frozen selection drew, and the frustum that it was seen in.
+    pub(super) fn add_frozen(&mut self, frozen: &FrozenView) {
+        for id in frozen.leaves.iter().take(MOST_PATCHES) {
+            self.add_patch(*id, Color32::from_rgba_unmultiplied(255, 220, 120, 150), 1.0);
+        }
+        let from = &frozen.camera;
+        let (h, v) = from.half_extents();
+        let ends = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
+            let ray = (from.forward + from.right() * (h * x) + from.up * (v * y)).normalize();
+            let hit = self.scene.ground().known.raycast(from.position, ray).map(|hit| hit.position);
+            hit.unwrap_or(from.position + ray * (REACH * from.position.length()))
+        });
+        let color = Color32::from_rgb(120, 200, 255);
+        for (k, end) in ends.into_iter().enumerate() {
+            self.add_straight(from.position, end, color);
+            self.add_straight(end, ends[(k + 1) % 4], color);
+        }
+    }
+
+    /// A circle on the ground about a site, of a radius in metres.
+    pub(super) fn add_circle(&mut self, site: DVec3, radius_m: f64, color: Color32) {
+        let (side, angle) = (site.any_orthonormal_vector(), radius_m / self.scene.planet().recipe.radius);
+        let other = site.cross(side);
+        let points: Vec<Option<[f32; 2]>> = (0..=64)
+            .map(|k| {
+                let (sine, cosine) = (f64::from(k) * std::f64::consts::TAU / 64.0).sin_cos();
+                self.on_ground((site * angle.cos() + (side * cosine + other * sine) * angle.sin()).normalize())
+            })
+            .collect();
+        self.add_seen(&points, color, 2.0);
+    }
+
+    fn on_ground(&self, direction: DVec3) -> Option<[f32; 2]> {
+        if direction.dot(self.camera.position.normalize()) < self.horizon {
+            return None;
+        }
+        let recipe = &self.scene.planet().recipe;
+        let height = self.scene.ground().height_at(direction).unwrap_or(0.0);
+        let sea = recipe.sea.as_ref().map_or(f64::MIN, |sea| sea.level_m);
+        project(&self.camera, direction * (recipe.radius + height.max(sea) + LIFT))
+    }
+
+    /// A straight line, cut where it comes before the camera.
+    fn add_straight(&mut self, from: DVec3, to: DVec3, color: Color32) {
+        let points: Vec<Option<[f32; 2]>> =
+            (0..=PARTS).map(|k| project(&self.camera, from.lerp(to, f64::from(k) / f64::from(PARTS)))).collect();
+        self.add_seen(&points, color, 1.5);
+    }
+
+    /// The runs of points that can be seen.
+    fn add_seen(&mut self, points: &[Option<[f32; 2]>], color: Color32, width: f32) {
+        for run in points.split(Option::is_none).filter(|run| run.len() > 1) {
+            self.lines.push(Line { points: run.iter().flatten().copied().collect(), color, width });
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::pose::tests::{pose, LENS};
+    use super::*;
+
+    #[test]
+    fn what_a_pixel_looks_at_is_projected_onto_it() {
+        let viewer = pose(3e5, 30.0, -50.0);
+        let camera = viewer.camera(&LENS);
+        for pixel in [[400.0, 300.0], [13.0, 588.0], [799.0, 0.5]] {
+            let [x, y] = project(&camera, viewer.position + viewer.ray(&LENS, pixel) * 1234.5).unwrap();
+            assert!((f64::from(x) - pixel[0]).abs() < 1e-2 && (f64::from(y) - pixel[1]).abs() < 1e-2, "{x} {y}");
+        }
+        assert_eq!(project(&camera, viewer.position - viewer.ray(&LENS, [400.0, 300.0])), None);
+    }
+}
