@@ -181,6 +181,7 @@ fn several_edits_are_undone_in_reverse_order() {
     assert_eq!(planet_of(&file).recipe.edits.len(), 3);
     while let Some(expected) = texts.pop() {
         assert_eq!(file.header().recipe, expected);
+        assert_eq!(planet_of(&file).recipe.undoable_edits(), texts.len());
         assert_eq!(PlanetFile::open(file.path()).unwrap().header(), file.header());
         match undo_last(&mut file) {
             Ok(_) => assert!(!texts.is_empty()),
@@ -324,6 +325,7 @@ fn hand_written_edits_are_read_and_not_undone() {
     let recipe = Recipe::from_toml(&text, "t.toml", Path::new(".")).unwrap();
     assert_eq!(recipe.edits, [edit]);
     assert!(recipe.without_last_edit().unwrap().is_none());
+    assert_eq!((recipe.undoable_edits(), recipe.with_edit(&edit).unwrap().undoable_edits()), (0, 1));
     let more = recipe.with_edit(&edit).unwrap();
     assert_eq!(more.without_last_edit().unwrap().unwrap().text, text);
     for (from, to, expected) in [

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::latitude_longitude;
-use terrane_planet::ground::surroundings::sample_surroundings;
+use terrane_planet::ground::surroundings::{sample_surroundings, KnownSurroundings, Surroundings};
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::edits::{add, finish};
 use terrane_planet::planet::Planet;
@@ -63,6 +63,25 @@ fn an_edit_forgets_the_heights_that_it_reaches_and_no_others() {
         }
     }
     assert!(rebuilt >= 1 && gone >= 1 && same > 300, "{rebuilt} built again, {gone} forgotten, {same} as before");
+}
+
+#[test]
+fn known_surroundings_of_some_patches_are_those_and_no_others() {
+    let planet = planet();
+    let ground = planet.ground();
+    let known = KnownSurroundings::default();
+    let ids = all(1);
+    ids.iter().for_each(|&id| drop(known.get(id, || Surroundings::sample(&ground, id))));
+    let some = known.of_those(|id| id.x == 0);
+    let is_sampled = |id: PatchId| {
+        let mut sampled = false;
+        some.get(id, || {
+            sampled = true;
+            Surroundings::sample(&ground, id)
+        });
+        sampled
+    };
+    assert!(ids.iter().all(|&id| is_sampled(id) == (id.x != 0)));
 }
 
 #[test]

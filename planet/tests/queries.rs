@@ -108,6 +108,13 @@ fn heights_of_coarser_patches_are_noticed() {
     assert!(known.insert(PatchGrid::sample(&FIELD.ground(CELLS), lost)));
     let found = known.height_at(direction).unwrap();
     assert_eq!((found.level, found.spacing), (3, known.spacing(3)));
+    // Forgotten together, they give way to their parent as well, and nothing else does.
+    let count = known.len();
+    known.forget(|id| id.parent() == lost.parent());
+    assert_eq!((known.len(), known.height_at(direction).unwrap().level), (count - 4, 2));
+    assert!(worst(&known, &kept)[0] < 1e-3);
+    gone.iter().for_each(|&id| assert!(known.insert(PatchGrid::sample(&FIELD.ground(CELLS), id))));
+    assert_eq!(known.height_at(direction).unwrap(), found);
     assert!((found.spacing * 8.0 * f64::from(CELLS) / FIELD.radius - std::f64::consts::FRAC_PI_2).abs() < 1e-9);
 }
 
@@ -117,10 +124,14 @@ fn sampled_grids_are_those_of_built_patches() {
     let mut random = Random::new(9);
     for id in leaves().into_iter().step_by(17) {
         let (mesh, _) = PatchMesh::build(&ground, &HeightGrid::sample(&ground, id));
-        let (built, sampled) = (PatchGrid::of_mesh(&mesh, &ground.lattice), PatchGrid::sample(&ground, id));
-        for _ in 0..50 {
-            let direction = random_point(&mut random, &FIELD, id).0.normalize();
-            assert!(built.radius(direction).is_some() && built.radius(direction) == sampled.radius(direction), "{id}");
+        let built = PatchGrid::of_mesh(&mesh, &ground.lattice);
+        let surveyed = PatchGrid::of_survey(&HeightGrid::sample(&ground, id), CELLS, &ground.lattice);
+        for sampled in [PatchGrid::sample(&ground, id), surveyed] {
+            assert_eq!(sampled.highest, built.highest, "{id}");
+            for _ in 0..50 {
+                let direction = random_point(&mut random, &FIELD, id).0.normalize();
+                assert!(built.radius(direction).is_some() && built.radius(direction) == sampled.radius(direction), "{id}");
+            }
         }
     }
 }

@@ -144,6 +144,12 @@ impl PatchTree {
         PatchTree { nodes: HashMap::new(), ..*self }
     }
 
+    /// This tree, with all that another tree of the same lattice knows of the patches that a condition names.
+    pub fn with_known(mut self, other: &PatchTree, known: impl Fn(PatchId) -> bool) -> PatchTree {
+        self.nodes.extend(other.nodes.iter().filter(|(id, _)| known(**id)).map(|(id, node)| (*id, *node)));
+        self
+    }
+
     /// What would be known of a patch with these facts.
     pub fn node(&self, id: PatchId, facts: &PatchFacts) -> PatchNode {
         PatchNode::new(&self.lattice, id, facts)

@@ -25,6 +25,12 @@ impl<T: Clone> PatchCache<T> {
         Some(thing.clone())
     }
 
+    /// A cache of the same size, with what is kept of the patches that a condition names.
+    pub(crate) fn of_those(&self, condition: impl Fn(PatchId) -> bool) -> PatchCache<T> {
+        let kept = self.kept.iter().filter(|(id, _)| condition(**id)).map(|(id, kept)| (*id, kept.clone())).collect();
+        PatchCache { kept, ..*self }
+    }
+
     /// Keeps something of a patch.
     pub(crate) fn insert(&mut self, id: PatchId, thing: T) {
         if self.kept.len() >= self.most {

@@ -95,6 +95,11 @@ impl KnownSurroundings {
         found
     }
 
+    /// Those of the patches that a condition names, for a ground that is the same around these.
+    pub fn of_those(&self, condition: impl Fn(PatchId) -> bool) -> KnownSurroundings {
+        KnownSurroundings { kept: Mutex::new(self.lock().of_those(condition)) }
+    }
+
     /// What [`HorizonMap`](super::horizon::HorizonMap) asks for, from the terrain.
     pub fn sampled<'a>(&'a self, ground: &'a Ground) -> impl FnMut(PatchId) -> Arc<Surroundings> + 'a {
         |id| self.get(id, || Surroundings::sample(ground, id))

@@ -74,6 +74,12 @@ impl KnownGround {
         }
     }
 
+    /// Forgets the patches that a condition names.
+    pub fn forget(&mut self, condition: impl Fn(PatchId) -> bool) {
+        let going: Vec<PatchId> = self.grids.keys().copied().filter(|&id| condition(id)).collect();
+        going.into_iter().for_each(|id| self.remove(id));
+    }
+
     /// Whether a patch was made known.
     pub fn contains(&self, id: PatchId) -> bool {
         self.grids.contains_key(&id)

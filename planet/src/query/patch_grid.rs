@@ -4,7 +4,7 @@ use super::rays::{PatchSurface, Ray};
 use crate::draw::loaded_patch::LoadedPatch;
 use crate::globe::lattice::Lattice;
 use crate::globe::patch::PatchId;
-use crate::ground::{Ground, WarpedGrid};
+use crate::ground::{Ground, HeightGrid, WarpedGrid, GUTTER};
 use crate::mesh::progressive::{PatchMesh, Vertex};
 use glam::{DVec3, IVec3};
 use std::sync::{Arc, OnceLock};
@@ -62,6 +62,16 @@ impl PatchGrid {
         let directions: Vec<DVec3> = samples.map(|(column, row)| warped.direction(column, row)).collect();
         let heights = ground.quantised(&directions);
         PatchGrid::new(id, ground.lattice, warped, heights)
+    }
+
+    /// The grid of a patch of `cells` cells a side that was surveyed: the same again, without sampling.
+    pub fn of_survey(grid: &HeightGrid, cells: u32, lattice: &Lattice) -> PatchGrid {
+        let warped = WarpedGrid::new(grid.id, 0..=cells as i32, cells);
+        // Every other sample, within the gutters.
+        let at = |k: u32| (2 * k as i32 + GUTTER) as usize;
+        let row = |row: u32| (0..=cells).map(move |column| at(row) * grid.side + at(column));
+        let heights = (0..=cells).flat_map(row).map(|sample| grid.heights[sample]).collect();
+        PatchGrid::new(grid.id, *lattice, warped, heights)
     }
 
     fn new(id: PatchId, lattice: Lattice, warped: WarpedGrid, heights: Vec<i32>) -> PatchGrid {

@@ -199,6 +199,16 @@ impl Recipe {
         before.map(|text| Self::from_parts(text, &self.file, self.assets.clone())).transpose()
     }
 
+    /// How many edits [`Recipe::without_last_edit`] takes away, one after the other.
+    pub fn undoable_edits(&self) -> usize {
+        let mut text = self.text.as_str();
+        let ends = self.edits.iter().rev().map_while(|edit| {
+            text = text.strip_suffix(&edit.text())?;
+            Some(())
+        });
+        ends.count()
+    }
+
     /// Metres above the datum of what lies uppermost where the ground is `ground_m` metres above it: the ground, or the sea that covers it.
     pub fn ground_or_sea(&self, ground_m: f64) -> f64 {
         self.sea.as_ref().map_or(ground_m, |sea| ground_m.max(sea.level_m))

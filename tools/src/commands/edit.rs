@@ -104,7 +104,7 @@ impl Run for Edit {
         let planet = Planet::from_header(file.header())?;
         let changed = self.change(&mut file, &planet)?;
         let (planet, edit, touched, faces) = match changed {
-            Some(Changed { planet, edit, touched, faces }) => (planet, Some(edit), touched, faces),
+            Some(Changed { planet, edit, touched, faces, .. }) => (planet, Some(edit), touched, faces),
             None => (planet, None, 0, 0),
         };
         let (stop, report) = (stop_on_signals()?, Report::new(&planet.recipe.name));

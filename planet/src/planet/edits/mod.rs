@@ -6,6 +6,8 @@
 
 mod touched;
 
+pub use touched::Touched;
+
 use super::bake::{bake, build_and_encode, BakeError, BakePlan, BakeSummary, Progress};
 use super::{Planet, PlanetError};
 use crate::globe::patch::PatchId;
@@ -16,7 +18,6 @@ use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use thiserror::Error;
-use touched::Touched;
 
 /// Samples along half of the square that a mean height is taken of.
 const MEAN_SAMPLES: i32 = 24;
@@ -61,6 +62,8 @@ pub struct Changed {
     pub planet: Planet,
     /// The edit that was made or undone.
     pub edit: Edit,
+    /// Which patches may be others than before, in the file or not.
+    pub reach: Touched,
     /// Patches of the file that it touches.
     pub touched: usize,
     /// Whole faces among them, built already.
@@ -130,5 +133,5 @@ fn change(file: &mut PlanetFile, recipe: Recipe, edit: Edit) -> Result<Changed, 
     }
     let touched = [&|id| reach.touches(id), &|id| reach.touches_around(id)] as [&dyn Fn(PatchId) -> bool; 2];
     let touched = file.replace_ground(&planet.header(), touched, &built, &around)?;
-    Ok(Changed { planet, edit, touched, faces: faces.len() })
+    Ok(Changed { planet, edit, reach, touched, faces: faces.len() })
 }

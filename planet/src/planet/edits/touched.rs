@@ -24,7 +24,8 @@ const MARGIN_CELLS: f64 = 3.2;
 const AROUND_CELLS: f64 = 1.5 * MARGIN as f64;
 
 /// The ground within reach of one edit.
-pub(super) struct Touched {
+#[derive(Clone, Debug)]
+pub struct Touched {
     centre: DVec3,
     /// As a chord of the unit sphere.
     reach: f64,
@@ -33,12 +34,12 @@ pub(super) struct Touched {
 
 impl Touched {
     /// Of an edit on a planet of `planet_m` metres radius, whose patches have `cells` cells a side.
-    pub(super) fn new(edit: &Edit, planet_m: f64, cells: u32) -> Touched {
+    pub fn new(edit: &Edit, planet_m: f64, cells: u32) -> Touched {
         Touched { centre: centre(edit.latitude_deg, edit.longitude_deg), reach: edit.reach_m() / planet_m, cells }
     }
 
     /// Whether a patch may depend on that ground.
-    pub(super) fn touches(&self, id: PatchId) -> bool {
+    pub fn touches(&self, id: PatchId) -> bool {
         let near = self.near(id, MARGIN_CELLS);
         let mut parents = Side::ALL.into_iter().filter(|&side| id.on_parent_boundary(side));
         self.reaches(id, near)
@@ -46,7 +47,7 @@ impl Touched {
     }
 
     /// Whether the surroundings of a patch depend on it.
-    pub(super) fn touches_around(&self, id: PatchId) -> bool {
+    pub fn touches_around(&self, id: PatchId) -> bool {
         self.reaches(id, self.near(id, AROUND_CELLS))
     }
 
