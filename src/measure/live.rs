@@ -16,7 +16,7 @@ use terrane_planet::draw::cut::Cut;
 use terrane_planet::draw::layout::PatchVertex;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::patch::PatchId;
-use terrane_planet::planet::CLEARANCE_M;
+use terrane_planet::planet::{Planet, CLEARANCE_M};
 use terrane_planet::verify::SurfaceCheck;
 
 /// Pixels between the lines of sight that look for missing ground.
@@ -74,17 +74,25 @@ pub struct LiveFlight<'a> {
     uploads: usize,
     /// The vertices of resident patches as the GPU has them.
     vertices: HashMap<PatchId, Vec<PatchVertex>>,
+    /// The planet that they are of: an edit makes another.
+    planet: Arc<Planet>,
 }
 
 impl<'a> LiveFlight<'a> {
     /// A flight with `step` seconds from frame to frame.
     pub fn new(context: &Arc<Context>, scene: &'a mut Scene, headless: &'a mut Headless, step: f64) -> LiveFlight<'a> {
         let uploads = uploads_within(step);
-        LiveFlight { context: context.clone(), scene, headless, uploads, vertices: HashMap::new() }
+        let planet = scene.shared_planet();
+        LiveFlight { context: context.clone(), scene, headless, uploads, vertices: HashMap::new(), planet }
     }
 
     /// The scene.
     pub fn scene(&self) -> &Scene {
+        self.scene
+    }
+
+    /// The scene, to edit its ground.
+    pub fn scene_mut(&mut self) -> &mut Scene {
         self.scene
     }
 
@@ -152,6 +160,11 @@ impl<'a> LiveFlight<'a> {
 
     /// Reads back the vertices of patches that were not drawn before, and forgets those of patches that are gone.
     fn read_vertices(&mut self, drawn: impl Iterator<Item = PatchId>) -> Result<(), SceneError> {
+        let planet = self.scene.shared_planet();
+        if !Arc::ptr_eq(&planet, &self.planet) {
+            self.vertices.clear();
+            self.planet = planet;
+        }
         self.vertices.retain(|id, _| self.scene.mesh(*id).is_some());
         let row = self.scene.planet().cells as usize + 1;
         for id in drawn {

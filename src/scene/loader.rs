@@ -34,6 +34,8 @@ pub(super) struct Loaded {
     pub(super) facts: Option<PatchFacts>,
     pub(super) mesh: Option<LoadedMesh>,
     pub(super) texture: Option<LoadedTexture>,
+    /// The ground of its mesh, or else of its samples, if it was sampled.
+    pub(super) grid: Option<PatchGrid>,
 }
 
 /// A mesh ready for upload.
@@ -41,7 +43,6 @@ pub(super) struct LoadedMesh {
     pub(super) patch: LoadedPatch,
     /// The finest index level that is wanted.
     pub(super) finest: usize,
-    pub(super) grid: PatchGrid,
     /// The view that it is for, if it need not be whole.
     pub(super) view: Option<View>,
 }
@@ -67,7 +68,7 @@ pub(super) struct LoadedTexture {
 pub(super) enum Request {
     /// To find out what is known of a patch, and to load of it what the view draws.
     Explore(Arc<View>),
-    /// Parts of a patch, for a view if there is one.
+    /// Parts of a patch, for a view if there is one; without any only what is known of it.
     Load(Parts, Option<Arc<View>>),
     /// Only its horizon angles and ambient occlusion, for a patch whose textures are on the GPU.
     Horizon,
@@ -123,7 +124,7 @@ impl Loader {
         most_under_way: usize,
         in_flight: usize,
         source: impl Fn() -> Result<Source, StoreError>,
-    ) -> Result<Loader, SceneError> {
+    ) -> Result<Loader, StoreError> {
         let shared =
             Arc::new(Shared { queue: Mutex::default(), arrived: AtomicUsize::new(0), changed: Condvar::new(), most_under_way });
         let (sender, arrivals) = channel();
@@ -243,7 +244,7 @@ impl Shared {
 
 /// Lets frames go before what this thread does, where a software renderer draws them on the same processors: the lowest priority still
 /// runs in the gaps that every frame leaves. Without effect where the system does not allow it.
-fn step_back() {
+pub(super) fn step_back() {
     if let Err(error) = ThreadPriority::Min.set_for_current() {
         tracing::debug!("workers keep their priority: {error:?}");
     }

@@ -5,50 +5,55 @@
 
 mod clouds;
 mod drawn_ground;
+mod edit_worker;
+mod edits;
+mod intake;
 mod keeper;
 mod loader;
 mod options;
+mod renewal;
 mod resident;
 mod source;
+mod stock;
+mod supply;
 mod textures;
 mod wants;
 
 pub use clouds::CloudMaps;
 pub use drawn_ground::DrawnGround;
+pub use edits::{EditRequest, EditState, EditStatus};
 pub use keeper::CacheOptions;
 pub use options::{uploads_within, OnDemand, SceneOptions, Scope};
 pub use resident::{ResidentMesh, ResidentPatch};
 pub use textures::TexturePool;
 
-use crate::vulkan::{Commands, Context, Upload, VulkanError};
+use crate::vulkan::{Commands, Context, VulkanError};
 use clouds::LateClouds;
+use edits::Edits;
 use glam::DVec3;
 use keeper::Keeper;
-use loader::{Loaded, LoadedMesh, Loader, Parts, Request, Response};
+use loader::{Loader, Parts, Request};
 use options::Budget;
-use source::{as_records, open_files, Source, Sun, Tally};
-use std::collections::HashMap;
+use renewal::Renewal;
+use source::{as_records, Sun, Tally};
+use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::atomic::Ordering;
 use std::sync::{Arc, PoisonError, RwLock};
 use std::time::Duration;
-use terrane_planet::draw::cut::{cut_by, cut_in_sight, urgency_within, Cut};
+use supply::Supply;
+use terrane_planet::draw::cut::Cut;
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
 use terrane_planet::globe::patch::{PatchId, MIN_CELLS};
 use terrane_planet::ground::surroundings::KnownSurroundings;
+use terrane_planet::planet::edits::EditError;
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::query::KnownGround;
 use terrane_planet::store::slow::Line;
 use terrane_planet::store::{PatchRecord, PlanetFile, StoreError};
 use thiserror::Error;
-
-/// Bytes staged at a time.
-const UPLOAD_CHUNK: u64 = 8 << 20;
-
-/// Requests that are under way at a time over a line: its latency is waited out by all of them together.
-const IN_FLIGHT: usize = 16;
 
 /// Longest time to wait for the next patch before looking again.
 const LONGEST_WAIT: Duration = Duration::from_secs(60);
@@ -65,6 +70,15 @@ pub enum SceneError {
     /// The GPU.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
+    /// The edit.
+    #[error(transparent)]
+    Edit(#[from] EditError),
+    /// One edit at a time.
+    #[error("an edit of the ground is under way; wait until it is drawn")]
+    EditUnderWay,
+    /// Nothing was undone.
+    #[error("there is no edit to do again; what was undone can be done again until another edit is made")]
+    NothingToRedo,
     /// The threads that read patches are gone.
     #[error("the threads that read the planet file have stopped; please report this")]
     LoaderStopped,
@@ -112,7 +126,14 @@ pub struct Scene {
     late_clouds: Option<LateClouds>,
     loader: Loader,
     // Dropped after the loader, whose workers hand it what they built.
-    _keeper: Option<Keeper>,
+    keeper: Option<Keeper>,
+    /// What an edit is about to put in place of the ground that is drawn.
+    renewal: Option<Renewal>,
+    // Dropped after the clouds that are on their way, which an earlier keeper waits for.
+    edits: Edits,
+    supply: Supply,
+    /// Heights around patches, as the workers know them.
+    around: Arc<KnownSurroundings>,
     tally: Arc<Tally>,
     sun: Arc<RwLock<Sun>>,
     capacity: usize,
@@ -149,40 +170,23 @@ impl Scene {
         if missing > 0 && options.on_demand.is_none() {
             return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
         }
-        let mut tree = planet.tree(records.iter().map(|r| (r.id, r.facts)));
-        let mut most_patches = u32::try_from(records.len()).unwrap_or(u32::MAX);
-        let (mut keeper, mut side_file) = (None, None);
-        if let Some(on_demand) = &options.on_demand {
-            tree = tree.built_to(planet.level_of_spacing(on_demand.spacing_m));
-            most_patches = u32::MAX;
-            keeper = on_demand.cache.as_ref().and_then(|cache| Keeper::start(path, file.header(), cache));
-            if let Some(path) = keeper.as_ref().and_then(|keeper| keeper.side.as_ref()) {
-                let file = side_file.insert(PlanetFile::open(path)?);
-                file.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
-            }
-        }
+        // An edit loads patches beside those that they replace.
+        let stored = u32::try_from(2 * records.len()).unwrap_or(u32::MAX);
+        let most_patches = if options.on_demand.is_some() { u32::MAX } else { stored };
         let Budget { capacity, mesh_bytes: most_mesh_bytes, under_way } =
             Budget::new(&options, planet.cells, most_patches, context.limits().max_image_array_layers);
+        let supply = Supply::new(path, &options, line.clone(), under_way);
+        let mut tree = supply.bare_tree(&planet);
+        records.iter().for_each(|record| tree.insert(record.id, &record.facts));
+        let keeper = supply.keeper(file.header());
+        let side_file = keeper.as_ref().and_then(|keeper| keeper.side.as_ref()).map(|path| PlanetFile::open(path)).transpose()?;
+        if let Some(file) = &side_file {
+            file.index()?.iter().for_each(|record| tree.insert(record.id, &record.facts));
+        }
         let (cells, slots) = if options.textures { (planet.cells, capacity) } else { (MIN_CELLS, 1) };
         let textures = TexturePool::new(context, cells, slots)?;
-        let tally = Arc::new(Tally::default());
-        let (around, sun) = (Arc::new(KnownSurroundings::default()), Arc::new(RwLock::new(Sun::default())));
-        let side = keeper.as_ref().and_then(|keeper| keeper.side.as_ref());
-        let in_flight = if line.is_some() { IN_FLIGHT } else { 0 };
-        let loader = Loader::new(under_way, in_flight, || {
-            Ok(Source {
-                files: open_files(path, line.as_ref(), side)?,
-                planet: planet.clone(),
-                builds: options.on_demand.is_some(),
-                textures: options.textures,
-                scope: options.scope,
-                tree: tree.emptied(),
-                keeper: keeper.as_ref().and_then(Keeper::handle),
-                tally: tally.clone(),
-                around: around.clone(),
-                sun: sun.clone(),
-            })
-        })?;
+        let around = Arc::new(KnownSurroundings::default());
+        let loader = supply.loader(&planet, keeper.as_ref(), &around)?;
         // The workers read the first patches while the clouds are made.
         let parts = Parts { mesh: true, texture: options.textures && line.is_none() };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(parts, None), 0.0)).collect());
@@ -204,9 +208,13 @@ impl Scene {
             clouds,
             late_clouds,
             loader,
-            _keeper: keeper,
-            tally,
-            sun,
+            keeper,
+            renewal: None,
+            edits: Edits::default(),
+            around,
+            tally: supply.tally.clone(),
+            sun: supply.sun.clone(),
+            supply,
             capacity: capacity as usize,
             mesh_bytes: 0,
             most_mesh_bytes,
@@ -247,17 +255,22 @@ impl Scene {
 
     /// The mesh of a patch on the GPU.
     pub fn mesh(&self, id: PatchId) -> Option<&ResidentMesh> {
-        self.resident.get(&id)?.mesh.as_ref()
+        self.now().mesh(id)
     }
 
     /// Slot of a patch's textures.
     pub fn slot(&self, id: PatchId) -> Option<u32> {
-        self.resident.get(&id)?.slot
+        self.now().slot(id)
+    }
+
+    /// The textures that a view draws a patch with: of the level that is fine enough, or coarser as long as those are not there.
+    pub fn textures_of(&self, view: &View, id: PatchId) -> PatchTextures {
+        self.now().textures_of(view, id)
     }
 
     /// Number of patches on the GPU, those included of which only the textures are.
     pub fn resident_count(&self) -> usize {
-        self.resident.len()
+        self.resident.len() + self.renewal.as_ref().map_or(0, |renewal| renewal.fresh.len())
     }
 
     /// The ground of the resident patches.
@@ -275,19 +288,19 @@ impl Scene {
     pub fn host_bytes(&self) -> (u64, u64) {
         let ground = drawn_ground::bytes_of_patch(self.planet.cells, self.scope);
         let under_way = loader::bytes_under_way(self.planet.cells);
-        let [now, most] = [(self.resident.len(), self.loader.under_way()), (self.capacity, self.loader.most_under_way)];
+        let [now, most] = [(self.resident_count(), self.loader.under_way()), (self.capacity, self.loader.most_under_way)];
         let bytes = |(resident, moving): (usize, usize)| resident as u64 * ground + moving as u64 * under_way;
         (bytes(now), bytes(most))
     }
 
-    /// Patches asked for, and not yet on the GPU.
+    /// Patches asked for, and not yet on the GPU; one more while an edit waits to be drawn.
     pub fn pending(&self) -> usize {
-        self.loader.pending()
+        self.loader.pending() + usize::from(self.edits.is_storing() || self.renewal.is_some())
     }
 
-    /// Whether patches have arrived that the next frame may take in.
+    /// Whether patches have arrived that the next frame may take in, or another ground that it may draw.
     pub fn has_arrived(&self) -> bool {
-        self.loader.has_arrived()
+        self.loader.has_arrived() || self.edits.has_news() || self.renewal.as_ref().is_some_and(Renewal::is_ready)
     }
 
     /// How the patches were come by.
@@ -299,7 +312,7 @@ impl Scene {
 
     /// Whether a cut of a view is a whole picture, however coarse: all that it draws is on the GPU, textures of some level with it.
     pub fn is_whole(&self, view: &View, cut: &Cut) -> bool {
-        cut.leaves.iter().all(|leaf| self.is_drawable(view, leaf.id))
+        cut.leaves.iter().all(|leaf| self.now().is_drawable(view, leaf.id))
     }
 
     /// Whether the latest cut lacks nothing that could still be had: another picture of the same view would be the same.
@@ -338,32 +351,33 @@ impl Scene {
         Ok(self.stage_arrived(uploads)?.record(commands)?)
     }
 
-    fn stage_arrived(&mut self, uploads: usize) -> Result<Upload, SceneError> {
-        self.frame += 1;
-        self.take_clouds(Duration::ZERO)?;
-        let arrived = self.loader.take(uploads)?;
-        self.stage(arrived)
-    }
-
     /// Computes the cut of a view from what is resident, and asks for what it lacks.
     pub fn choose(&mut self, view: &View) -> Cut {
         self.keep_within_budget();
-        let drawable = |id| self.mesh(id).is_some_and(|mesh| mesh.suffices(view));
-        let cut = match self.scope {
-            Scope::Whole => cut_by(&self.tree, &|id, node| urgency_within(&self.tree, view, id, node, self.share), &drawable),
-            Scope::Still | Scope::Flight => cut_in_sight(&self.tree, view, self.scope == Scope::Flight, self.share, &drawable),
-        };
+        let now = self.now();
+        let cut = now.cut(view);
+        let shown = now.textures_shown(view, &cut);
         self.ground.follow(&cut);
-        let shown = self.textures_shown(view, &cut);
-        let stale = self.stale(&shown);
+        self.mark_used(&cut, &shown);
+        self.settled = false;
+        if self.renewal.is_some() {
+            self.renew(view, &cut, &shown);
+        } else {
+            self.ask_for(view, &cut, &shown);
+        }
+        cut
+    }
+
+    /// Asks for what a view lacks beside a cut.
+    fn ask_for(&mut self, view: &View, cut: &Cut, shown: &HashSet<PatchId>) {
+        let stale = self.stale(shown);
         let complete = cut.wanted.is_empty() && shown.iter().all(|id| self.slot(*id).is_some());
         let is_rest_there = stale.is_empty() && complete;
         if is_rest_there {
             self.late_clouds = self.late_clouds.take().map(LateClouds::start);
         }
-        self.settled = is_rest_there && self.late_clouds.is_none();
-        self.mark_used(&cut, &shown);
-        let mut orders = self.orders(view, &cut, &shown);
+        self.settled = is_rest_there && self.late_clouds.is_none() && !self.edits.is_storing();
+        let mut orders = self.now().orders(view, cut, shown);
         // Shape before light.
         orders.extend(stale.into_iter().map(|id| (id, Request::Horizon, f64::MAX)));
         if self.scope == Scope::Flight && complete && orders.is_empty() && self.is_roomy() {
@@ -371,8 +385,7 @@ impl Scene {
         } else {
             self.loader.request(orders);
         }
-        self.forget_unused(&cut);
-        cut
+        self.forget_unused(cut);
     }
 
     /// Updates until everything the view wants is resident (or nothing more fits), and returns the final cut.
@@ -391,109 +404,13 @@ impl Scene {
                 }
                 return Ok(cut);
             }
-            show(self.resident.len(), self.loader.pending());
+            show(self.resident_count(), self.loader.pending());
             if self.loader.pending() == 0 {
+                self.take_edit(LONGEST_WAIT);
                 self.take_clouds(LONGEST_WAIT)?;
             }
-            let arrived = self.loader.wait(LONGEST_WAIT)?;
+            let arrived = self.unless_behind(self.loader.wait(LONGEST_WAIT))?;
             self.upload(arrived)?;
         }
-    }
-
-    fn upload(&mut self, arrived: Vec<Response>) -> Result<(), SceneError> {
-        Ok(self.stage(arrived)?.finish()?)
-    }
-
-    fn stage(&mut self, arrived: Vec<Response>) -> Result<Upload, SceneError> {
-        let mut upload = Upload::new(&self.context, UPLOAD_CHUNK);
-        for response in arrived {
-            match response {
-                Response::Patch(loaded) => self.stage_patch(*loaded, &mut upload)?,
-                Response::Horizon(id, relief) => {
-                    let Some(patch) = self.resident.get_mut(&id) else { continue };
-                    let Some(slot) = patch.slot else { continue };
-                    patch.sun = relief.sun;
-                    self.textures.upload_relief(&mut upload, slot, &relief)?;
-                }
-            }
-        }
-        Ok(upload)
-    }
-
-    fn stage_patch(&mut self, loaded: Loaded, upload: &mut Upload) -> Result<(), SceneError> {
-        let Loaded { id, facts, mesh, texture } = loaded;
-        if let Some(facts) = facts {
-            self.tree.insert(id, &facts);
-        }
-        let patch = self.resident.get(&id);
-        let there = patch.and_then(|patch| patch.mesh.as_ref());
-        let mesh = mesh.filter(|mesh| there.is_none_or(|there| mesh.improves(there)));
-        let texture = texture.filter(|_| patch.is_none_or(|patch| patch.slot.is_none()));
-        if mesh.is_none() && texture.is_none() {
-            return Ok(());
-        }
-        if !self.make_room(id, mesh.as_ref()) {
-            self.full = true;
-            return Ok(());
-        }
-        let slot = if texture.is_some() { self.claim_slot(upload)? } else { None };
-        if texture.is_some() && slot.is_none() {
-            self.full = true;
-            return Ok(());
-        }
-        let mut patch = self.resident.remove(&id).unwrap_or_default();
-        patch.last_used = self.frame;
-        if let (Some(slot), Some(texture)) = (slot, texture) {
-            self.textures.upload(upload, slot, &texture.mips)?;
-            self.textures.upload_relief(upload, slot, &texture.relief)?;
-            (patch.slot, patch.sun) = (Some(slot), texture.relief.sun);
-        }
-        if let Some(mesh) = mesh {
-            self.mesh_bytes -= patch.mesh.take().map_or(0, |coarser| coarser.buffer().bytes());
-            let resident = ResidentMesh::new(&self.context, upload, &mesh.patch, mesh.finest)?;
-            self.mesh_bytes += resident.buffer().bytes();
-            patch.mesh = Some(resident);
-            self.ground.known.insert(mesh.grid);
-        }
-        self.resident.insert(id, patch);
-        Ok(())
-    }
-
-    /// Whether there is room for a patch and its mesh, once others have gone that the latest frame did not use.
-    fn make_room(&mut self, id: PatchId, mesh: Option<&LoadedMesh>) -> bool {
-        let bytes = mesh.map_or(0, |mesh| ResidentMesh::bytes_of(&mesh.patch, mesh.finest));
-        let lacks = |scene: &Scene| {
-            let is_new = !scene.resident.contains_key(&id);
-            (is_new && scene.resident.len() >= scene.capacity) || scene.mesh_bytes + bytes > scene.most_mesh_bytes
-        };
-        while id.level > 0 && lacks(self) {
-            if !self.evict() {
-                return false;
-            }
-        }
-        true
-    }
-
-    /// A slot for textures: a free one, or else that of an evicted patch.
-    fn claim_slot(&mut self, upload: &mut Upload) -> Result<Option<u32>, SceneError> {
-        loop {
-            let slot = self.textures.claim(upload)?;
-            if slot.is_some() || !self.evict() {
-                return Ok(slot);
-            }
-        }
-    }
-
-    /// Frees the least recently used patch that the latest frame did not use.
-    fn evict(&mut self) -> bool {
-        let idle = self.resident.iter().filter(|(id, p)| id.level > 0 && p.last_used + 1 < self.frame);
-        let Some(oldest) = idle.min_by_key(|(id, p)| (p.last_used, **id)).map(|(id, _)| *id) else { return false };
-        self.ground.known.remove(oldest);
-        let patch = self.resident.remove(&oldest).unwrap_or_default();
-        self.mesh_bytes -= patch.mesh.map_or(0, |mesh| mesh.buffer().bytes());
-        if let Some(slot) = patch.slot {
-            self.textures.release(slot);
-        }
-        true
     }
 }

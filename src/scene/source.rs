@@ -232,12 +232,14 @@ impl Source {
         let texture = found
             .texture
             .map(|texture| LoadedTexture { mips: TextureMips::new(&texture, self.planet.cells), relief: self.relief(id) });
+        let Planet { cells, lattice, .. } = &*self.planet;
+        let mut grid = found.survey.map(|survey| PatchGrid::of_survey(&survey.grid, *cells, lattice));
         let mesh = found.mesh.map(|prefix| {
-            let patch = LoadedPatch::new(prefix, &self.planet.lattice);
-            let grid = PatchGrid::of_loaded(&patch, &self.planet.lattice);
-            LoadedMesh { finest: view.map_or(0, |view| patch.reach.finest(view)), patch, grid, view: view.copied() }
+            let patch = LoadedPatch::new(prefix, lattice);
+            grid = Some(PatchGrid::of_loaded(&patch, lattice));
+            LoadedMesh { finest: view.map_or(0, |view| patch.reach.finest(view)), patch, view: view.copied() }
         });
-        Loaded { id, facts: found.facts, mesh, texture }
+        Loaded { id, facts: found.facts, mesh, texture, grid }
     }
 }
 

@@ -2,10 +2,11 @@
 
 use super::loader::{Order, Parts, Request};
 use super::options::Scope;
-use super::{PatchTextures, Scene};
+use super::stock::Stock;
+use super::Scene;
 use std::collections::{HashMap, HashSet};
 use std::sync::{Arc, PoisonError};
-use terrane_planet::draw::cut::{cut, shows_through, texture_level, Cut};
+use terrane_planet::draw::cut::{cut, Cut};
 use terrane_planet::draw::view::View;
 use terrane_planet::globe::patch::PatchId;
 
@@ -26,56 +27,11 @@ const AFTER_MESHES: f64 = 1.0;
 const LOOKS_EVERY: u64 = 16;
 
 /// All that a view would draw, and their ancestors.
-fn wanted_by(cut: &Cut) -> impl Iterator<Item = PatchId> + '_ {
+pub(super) fn wanted_by(cut: &Cut) -> impl Iterator<Item = PatchId> + '_ {
     cut.ideal.iter().copied().chain(cut.above.iter().map(|(id, _)| *id))
 }
 
 impl Scene {
-    /// The textures that a view draws a patch with: of the level that is fine enough, or coarser as long as those are not there.
-    pub fn textures_of(&self, view: &View, id: PatchId) -> PatchTextures {
-        let mut at = Some(self.textures_wanted(view, id));
-        while let Some(patch) = at {
-            if let Some(slot) = self.slot(patch) {
-                return PatchTextures { patch, slot };
-            }
-            at = patch.parent();
-        }
-        PatchTextures { patch: id, slot: 0 }
-    }
-
-    /// The patch whose textures a view would draw a patch with.
-    fn textures_wanted(&self, view: &View, id: PatchId) -> PatchId {
-        let level = self.tree.get(id).map_or(id.level, |node| texture_level(&self.tree, view, id.level, &node.space));
-        id.ancestor(level)
-    }
-
-    /// Whether a patch can be drawn in a view: with all of its mesh that this can wake, and textures of its own or of an ancestor.
-    pub(super) fn is_drawable(&self, view: &View, id: PatchId) -> bool {
-        self.mesh(id).is_some_and(|mesh| mesh.suffices(view)) && self.has_textures_for(view, id)
-    }
-
-    /// Whether there are any textures to draw a patch with, if there are to be any.
-    fn has_textures_for(&self, view: &View, id: PatchId) -> bool {
-        if !self.has_textures {
-            return true;
-        }
-        let above = std::iter::successors(Some(self.textures_wanted(view, id)), |id| id.parent());
-        above.into_iter().any(|patch| self.slot(patch).is_some())
-    }
-
-    /// The patches whose textures the drawn ones show.
-    pub(super) fn textures_shown(&self, view: &View, cut: &Cut) -> HashSet<PatchId> {
-        let mut shown = HashSet::new();
-        for leaf in cut.leaves.iter().filter(|_| self.has_textures) {
-            let patch = self.textures_wanted(view, leaf.id);
-            let coarser = patch.parent().filter(|parent| {
-                self.tree.get(leaf.id).is_some_and(|node| shows_through(&self.tree, view, parent.level, &node.space))
-            });
-            shown.extend([patch].into_iter().chain(coarser));
-        }
-        shown
-    }
-
     /// Of the patches whose textures are shown, those whose light is that of an earlier sun.
     pub(super) fn stale(&self, shown: &HashSet<PatchId>) -> Vec<PatchId> {
         let number = self.sun.read().unwrap_or_else(PoisonError::into_inner).number;
@@ -103,10 +59,42 @@ impl Scene {
         self.share < 1.0
     }
 
+    /// Asks now and then for what the view would draw out of sight: whoever turns around finds it.
+    pub(super) fn look_around(&self, view: &View) {
+        if self.frame.is_multiple_of(LOOKS_EVERY) {
+            let around = cut(&self.tree, view, &|id| self.mesh(id).is_some());
+            let snapshot = Arc::new(*view);
+            let explore = |(id, urgency)| (id, Request::Explore(snapshot.clone()), urgency);
+            self.loader.request(around.wanted.into_iter().map(explore).collect());
+        }
+    }
+
+    /// Forgets patches that neither the view needs nor the GPU holds, when many are known.
+    pub(super) fn forget_unused(&mut self, cut: &Cut) {
+        if self.tree.len() > MOST_KNOWN {
+            let used: HashSet<PatchId> = wanted_by(cut).collect();
+            let resident = &self.resident;
+            self.tree.forget_but(|id| id.level == 0 || used.contains(&id) || resident.contains_key(&id));
+        }
+    }
+
+    /// Notes what the latest cut uses: it is not evicted.
+    pub(super) fn mark_used(&mut self, cut: &Cut, shown: &HashSet<PatchId>) {
+        // Those that wait for others count as used: taken out to make room for these, they would be asked for for ever.
+        let waiting = wanted_by(cut);
+        for id in waiting.chain(cut.leaves.iter().map(|leaf| leaf.id)).chain(shown.iter().copied()) {
+            if let Some(patch) = self.resident.get_mut(&id) {
+                patch.last_used = self.frame;
+            }
+        }
+    }
+}
+
+impl Stock<'_> {
     /// What the workers are to do for a view.
     pub(super) fn orders(&self, view: &View, cut: &Cut, shown: &HashSet<PatchId>) -> Vec<Order> {
         let mut meshes: HashMap<PatchId, f64> = cut.wanted.iter().copied().collect();
-        if self.scope != Scope::Still {
+        if self.scope != Scope::Still && !self.is_next() {
             // Coarse to fine: their urgency is smaller than that of what replaces them.
             meshes.extend(cut.above.iter().copied().filter(|(id, _)| self.mesh(*id).is_none()));
         }
@@ -141,35 +129,5 @@ impl Scene {
         let urgency = |id: &PatchId| if bare.contains(id) { 0.0 } else { AFTER_MESHES };
         orders.extend(alone.map(|id| (*id, Request::Load(only, None), urgency(id))));
         orders
-    }
-
-    /// Asks now and then for what the view would draw out of sight: whoever turns around finds it.
-    pub(super) fn look_around(&self, view: &View) {
-        if self.frame.is_multiple_of(LOOKS_EVERY) {
-            let around = cut(&self.tree, view, &|id| self.mesh(id).is_some());
-            let snapshot = Arc::new(*view);
-            let explore = |(id, urgency)| (id, Request::Explore(snapshot.clone()), urgency);
-            self.loader.request(around.wanted.into_iter().map(explore).collect());
-        }
-    }
-
-    /// Forgets patches that neither the view needs nor the GPU holds, when many are known.
-    pub(super) fn forget_unused(&mut self, cut: &Cut) {
-        if self.tree.len() > MOST_KNOWN {
-            let used: HashSet<PatchId> = wanted_by(cut).collect();
-            let resident = &self.resident;
-            self.tree.forget_but(|id| id.level == 0 || used.contains(&id) || resident.contains_key(&id));
-        }
-    }
-
-    /// Notes what the latest cut uses: it is not evicted.
-    pub(super) fn mark_used(&mut self, cut: &Cut, shown: &HashSet<PatchId>) {
-        // Those that wait for others count as used: taken out to make room for these, they would be asked for for ever.
-        let waiting = wanted_by(cut);
-        for id in waiting.chain(cut.leaves.iter().map(|leaf| leaf.id)).chain(shown.iter().copied()) {
-            if let Some(patch) = self.resident.get_mut(&id) {
-                patch.last_used = self.frame;
-            }
-        }
     }
 }

@@ -64,13 +64,13 @@ fn way(name: &str) -> (Vec<Viewpoint>, usize) {
 
 /// The mesh and the picture of a view.
 #[derive(PartialEq)]
-struct Shown {
+pub(crate) struct Shown {
     /// Triangles by patch, with the bits of the drawn positions of their corners.
-    triangles: BTreeSet<(PatchId, [[u32; 3]; 3])>,
-    pixels: Vec<u8>,
+    pub(crate) triangles: BTreeSet<(PatchId, [[u32; 3]; 3])>,
+    pub(crate) pixels: Vec<u8>,
 }
 
-fn show(scene: &Scene, headless: &mut Headless, view: &View, cut: &terrane_planet::draw::cut::Cut) -> Shown {
+pub(crate) fn show(scene: &Scene, headless: &mut Headless, view: &View, cut: &terrane_planet::draw::cut::Cut) -> Shown {
     let report = headless.render(scene, view, cut, &LOOK).unwrap();
     let selection = headless.read_selection(&report).unwrap();
     let named = |t: &[u32; 3]| {

@@ -8,6 +8,7 @@ mod clouds;
 mod edges;
 mod exposure;
 mod extremes;
+mod ground_edits;
 mod harness;
 mod history;
 mod layout;

@@ -1,0 +1,87 @@
+//! What a scene needs to start workers: for the planet that it opens with, and anew for each ground that an edit makes of it.
+
+use super::keeper::Keeper;
+use super::loader::Loader;
+use super::options::SceneOptions;
+use super::source::{open_files, Source, Sun, Tally};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, RwLock};
+use terrane_planet::draw::tree::PatchTree;
+use terrane_planet::ground::surroundings::KnownSurroundings;
+use terrane_planet::planet::Planet;
+use terrane_planet::store::slow::Line;
+use terrane_planet::store::{PlanetHeader, StoreError};
+
+/// Requests that are under way at a time over a line: its latency is waited out by all of them together.
+const IN_FLIGHT: usize = 16;
+
+/// Where a scene's patches come from, whichever ground they are of.
+#[derive(Clone)]
+pub(super) struct Supply {
+    /// The planet file.
+    pub(super) path: PathBuf,
+    /// What the scene may use.
+    pub(super) options: SceneOptions,
+    /// The line that the file is at the other end of, if it is.
+    pub(super) line: Option<Arc<Line>>,
+    /// Most patches under way to the GPU.
+    pub(super) under_way: usize,
+    pub(super) tally: Arc<Tally>,
+    pub(super) sun: Arc<RwLock<Sun>>,
+}
+
+impl Supply {
+    /// Of a scene that opens the planet file at a path.
+    pub(super) fn new(path: &Path, options: &SceneOptions, line: Option<Arc<Line>>, under_way: usize) -> Supply {
+        let (path, options) = (path.to_owned(), options.clone());
+        Supply { path, options, line, under_way, tally: Arc::default(), sun: Arc::default() }
+    }
+
+    /// Whether what no file holds is built.
+    pub(super) fn builds(&self) -> bool {
+        self.options.on_demand.is_some()
+    }
+
+    /// The tree of a planet of which no patch is known yet.
+    pub(super) fn bare_tree(&self, planet: &Planet) -> PatchTree {
+        let tree = planet.tree([]);
+        match &self.options.on_demand {
+            Some(on_demand) => tree.built_to(planet.level_of_spacing(on_demand.spacing_m)),
+            None => tree,
+        }
+    }
+
+    /// Who keeps what is built of a planet, if anything is to be kept.
+    pub(super) fn keeper(&self, header: &PlanetHeader) -> Option<Keeper> {
+        let cache = self.options.on_demand.as_ref()?.cache.as_ref()?;
+        Keeper::start(&self.path, header, cache)
+    }
+
+    /// Workers that read and build patches of a planet. Heights `around` patches are shared by them.
+    ///
+    /// # Errors
+    /// If the files cannot be opened.
+    pub(super) fn loader(
+        &self,
+        planet: &Arc<Planet>,
+        keeper: Option<&Keeper>,
+        around: &Arc<KnownSurroundings>,
+    ) -> Result<Loader, StoreError> {
+        let in_flight = if self.line.is_some() { IN_FLIGHT } else { 0 };
+        let side = keeper.and_then(|keeper| keeper.side.as_ref());
+        Loader::new(self.under_way, in_flight, || {
+            Ok(Source {
+                files: open_files(&self.path, self.line.as_ref(), side)?,
+                planet: planet.clone(),
+                builds: self.builds(),
+                textures: self.options.textures,
+                scope: self.options.scope,
+                tree: self.bare_tree(planet),
+                keeper: keeper.and_then(Keeper::handle),
+                tally: self.tally.clone(),
+                around: around.clone(),
+                sun: self.sun.clone(),
+            })
+        })
+    }
+}
