@@ -8,10 +8,12 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::OnceLock;
-use terrane_planet::globe::patch::PatchId;
+use terrane_planet::globe::patch::{PatchId, Side};
+use terrane_planet::globe::random::Random;
 use terrane_planet::globe::sphere::{direction, latitude_longitude, ONE};
+use terrane_planet::ground::surroundings::sample_surroundings;
 use terrane_planet::planet::bake::{bake, BakePlan};
-use terrane_planet::planet::edits::{add, finish, mean_height, undo, Changed, EditError};
+use terrane_planet::planet::edits::{add, finish, mean_height, undo, Changed, EditError, Touched};
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::recipe::{Edit, Recipe, Shape};
 use terrane_planet::store::Region;
@@ -117,6 +119,8 @@ fn edited_files_equal_bakes_of_the_edited_recipe() {
         let edit = edit_at(site, [900.0, 1200.0, 1500.0][k % 3], shapes[(k + k / 3) % 3]);
         let changed = make(&mut file, edit);
         let fresh_planet = Planet::from_recipe(changed.planet.recipe.clone(), CELLS).unwrap();
+        assert_eq!(changed.planet.header(), fresh_planet.header());
+        assert_eq!(changed.planet.terrain.lowest_dry(), fresh_planet.terrain.lowest_dry());
         let plan = BakePlan::new(fresh_planet.recipe.radius, LEVELS, None).unwrap();
         let fresh = rows(&baked(&folder.path().join("fresh.planet"), &fresh_planet, &plan));
         let edited = rows(&file);
@@ -148,6 +152,41 @@ fn the_comparison_finds_a_patch_that_was_not_rebuilt() {
         stale.insert(id, before[&id].clone());
         assert_eq!(differing(&stale, &edited), [id]);
     }
+}
+
+#[test]
+fn what_an_edit_does_not_touch_keeps_its_bytes() {
+    let plain = Planet::from_recipe(tiny(), CELLS).unwrap();
+    let mut random = Random::new(5);
+    let (mut same, mut others, mut in_vain) = (0, 0, 0);
+    for k in 0..60 {
+        let face_edge = DVec3::new(1.0, 1.0 + 0.1 * (random.unit() - 0.5), 2.0 * random.unit() - 1.0);
+        let site = if k % 2 == 0 { face_edge.normalize() } else { random.direction() };
+        let edit = edit_at(site, 1500.0 * random.unit().powi(4) + 1.0, Shape::Raise { by_m: 200.0 });
+        let reach = Touched::new(&edit, plain.recipe.radius, CELLS);
+        let edited = Planet::from_recipe(plain.recipe.with_edit(&edit).unwrap(), CELLS).unwrap();
+        for level in 0..7 {
+            let at = PatchId::containing(site, level);
+            let around = Side::ALL.map(|side| at.neighbour(side));
+            for id in around.into_iter().chain([at]) {
+                let [before, after] = [&plain, &edited].map(|planet| {
+                    let (mesh, texture, _) = planet.build(id);
+                    (mesh, texture, sample_surroundings(&planet.ground(), id))
+                });
+                let [patch, surroundings] = [(&before.0, &before.1) == (&after.0, &after.1), before.2 == after.2];
+                assert!(reach.touches(id) || patch, "{id} by {edit}");
+                assert!(reach.touches_around(id) || surroundings, "surroundings of {id} by {edit}");
+                *(if !patch {
+                    &mut others
+                } else if reach.touches(id) {
+                    &mut in_vain
+                } else {
+                    &mut same
+                }) += 1;
+            }
+        }
+    }
+    assert!(same > 200 && others > 200, "{same} kept their bytes, {others} did not, {in_vain} were touched and did");
 }
 
 #[test]
