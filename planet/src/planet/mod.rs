@@ -116,6 +116,16 @@ impl Planet {
             return Err(PlanetError::Cells { found: cells });
         }
         let terrain = Terrain::new(&recipe)?;
+        Planet::of_terrain(recipe, terrain, cells)
+    }
+
+    /// The planet of a recipe that differs from this planet's by its edits alone. What was prepared for the rest is shared.
+    fn edited(&self, recipe: Recipe) -> Result<Planet, PlanetError> {
+        let terrain = self.terrain.with_edits(&recipe.edits);
+        Planet::of_terrain(recipe, terrain, self.cells)
+    }
+
+    fn of_terrain(recipe: Recipe, terrain: Terrain, cells: u32) -> Result<Planet, PlanetError> {
         let lattice = Lattice::new(recipe.radius, terrain.layers_range().1);
         check_edits(&recipe, &terrain, &lattice)?;
         Ok(Planet { recipe, terrain, lattice, cells, kept: KeptHeights::new(cells) })

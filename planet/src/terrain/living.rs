@@ -145,7 +145,7 @@ impl Terrain {
     #[inline(always)]
     fn valleys(&self, p: &Points, base: &Lane) -> Lane {
         let (mut deepest, mut past) = ([0.0; LANES], Past::over(*base));
-        for step in &self.steps {
+        for step in &*self.steps {
             let Step::Canyons(canyons) = step else { continue };
             let Some(own) = canyons.metres(p, &mut past) else { continue };
             let per_depth = (1.0 / canyons.range(0.0).0.min(-1e-3)) as f32;

@@ -36,7 +36,7 @@ mod shield;
 mod shores;
 
 pub use crate::ground::GroundPoint;
-use crate::recipe::{Layer, Palette, Recipe, RecipeError, Sea};
+use crate::recipe::{Edit, Layer, Palette, Recipe, RecipeError, Sea};
 use caps::Caps;
 use craters::Craters;
 use dunes::Dunes;
@@ -47,11 +47,13 @@ use noise::mix;
 use octaves::{Fractal, Ramp};
 use points::{Lane, Points, WideLane, LANES};
 use rift::Rift;
+use std::sync::Arc;
 
 /// A planet's ground, ready to evaluate. Shared freely between threads.
 pub struct Terrain {
     radius: f64,
-    steps: Vec<Step>,
+    /// What takes long to prepare is shared by all that differ by edits alone.
+    steps: Arc<[Step]>,
     sea_level: Option<f64>,
     /// Half-width in metres of the band about the sea that is flattened; 0 for none.
     beach_m: f64,
@@ -63,7 +65,7 @@ pub struct Terrain {
     edits_range: Vec<(f64, f64)>,
     lowest_dry: Option<f64>,
     palette: Palette,
-    tints: albedo::Tints,
+    tints: Arc<albedo::Tints>,
 }
 
 /// Slope at the waterline relative to what it would be without beaches.
@@ -81,7 +83,7 @@ impl Terrain {
     /// If a heightmap is missing among the recipe's assets, damaged, or does not fit what the recipe says about it.
     pub fn new(recipe: &Recipe) -> Result<Self, RecipeError> {
         let step = |(i, layer): (usize, &Layer)| Step::new(mix(recipe.seed ^ mix(i as u64 + 1)), layer, recipe);
-        let steps = recipe.layers.iter().enumerate().map(step).collect::<Result<Vec<_>, _>>()?;
+        let steps = recipe.layers.iter().enumerate().map(step).collect::<Result<Arc<[_]>, _>>()?;
         let mut terrain = Self {
             radius: recipe.radius,
             steps,
@@ -93,12 +95,28 @@ impl Terrain {
             edits_range: Vec::new(),
             lowest_dry: None,
             palette: recipe.palette.clone(),
-            tints: albedo::Tints::new(mix(recipe.seed ^ 0xa1be), &recipe.palette),
+            tints: Arc::new(albedo::Tints::new(mix(recipe.seed ^ 0xa1be), &recipe.palette)),
         };
         terrain.layers_range = terrain.bound();
         terrain.edits_range = terrain.edits.bounds(terrain.layers_range);
         terrain.lowest_dry = terrain.find_lowest_dry();
         Ok(terrain)
+    }
+
+    /// The same ground under other edits.
+    pub(crate) fn with_edits(&self, edits: &[Edit]) -> Self {
+        let edits = Edits::new(edits, self.radius);
+        let mut terrain = Self {
+            steps: self.steps.clone(),
+            coast: self.coast.clone(),
+            edits_range: edits.bounds(self.layers_range),
+            edits,
+            palette: self.palette.clone(),
+            tints: self.tints.clone(),
+            ..*self
+        };
+        terrain.lowest_dry = terrain.find_lowest_dry();
+        terrain
     }
 
     /// Height in metres above the radius for each unit direction (planet-fixed: +Z is north, longitude 0 is +X, 90 east
@@ -163,7 +181,7 @@ impl Terrain {
     #[inline(always)]
     fn compose(&self, p: &Points, mut height: Option<&mut WideLane>) -> Lane {
         let mut past = Past::over([0.0; LANES]);
-        for step in &self.steps {
+        for step in &*self.steps {
             step.compose(p, &mut past, height.as_deref_mut());
         }
         past.base

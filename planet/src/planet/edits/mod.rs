@@ -11,7 +11,7 @@ pub use touched::Touched;
 use super::bake::{bake, build_and_encode, BakeError, BakePlan, BakeSummary, Progress};
 use super::{Planet, PlanetError};
 use crate::globe::patch::PatchId;
-use crate::recipe::{Edit, EditRange, Recipe, RecipeError};
+use crate::recipe::{Edit, EditRange, RecipeError};
 use crate::store::{PlanetFile, StoreError};
 use crate::terrain::edits::centre;
 use glam::DVec3;
@@ -76,7 +76,7 @@ pub struct Changed {
 /// If the edit is out of range or leaves the planet's lattice, or the file cannot be read or written: then nothing has changed.
 pub fn add(file: &mut PlanetFile, planet: &Planet, edit: Edit) -> Result<Changed, EditError> {
     edit.check(planet.recipe.radius)?;
-    change(file, planet.recipe.with_edit(&edit)?, edit)
+    change(file, planet.edited(planet.recipe.with_edit(&edit)?)?, edit)
 }
 
 /// Takes the last edit away again: the recipe is to the letter what it was before.
@@ -87,7 +87,7 @@ pub fn undo(file: &mut PlanetFile, planet: &Planet) -> Result<Changed, EditError
     let path = || file.path().to_owned();
     let last = *planet.recipe.edits.last().ok_or_else(|| EditError::NoEdit { file: path() })?;
     let before = planet.recipe.without_last_edit()?.ok_or_else(|| EditError::ByHand { file: path(), edit: last })?;
-    change(file, before, last)
+    change(file, planet.edited(before)?, last)
 }
 
 /// Builds the patches that edits removed and that are not back yet, as [`bake`] does.
@@ -121,8 +121,7 @@ pub fn mean_height(planet: &Planet, latitude_deg: f64, longitude_deg: f64, radiu
     (mean * 1e3).round() / 1e3
 }
 
-fn change(file: &mut PlanetFile, recipe: Recipe, edit: Edit) -> Result<Changed, EditError> {
-    let planet = Planet::from_recipe(recipe, file.header().cells)?;
+fn change(file: &mut PlanetFile, planet: Planet, edit: Edit) -> Result<Changed, EditError> {
     let reach = Touched::new(&edit, planet.recipe.radius, planet.cells);
     let faces: Vec<PatchId> = PatchId::roots().filter(|&id| reach.touches(id)).collect();
     let (mut built, mut around) = (Vec::new(), Vec::new());
