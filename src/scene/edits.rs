@@ -8,6 +8,7 @@ use super::keeper::Keeper;
 use super::loader::Loader;
 use super::supply::Supply;
 use super::{Scene, SceneError};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError};
 use std::sync::Arc;
@@ -87,6 +88,7 @@ struct Storing {
 
 /// The building of what the file is to hold.
 struct Finisher {
+    file: PathBuf,
     progress: Arc<Finishing>,
     news: Receiver<Result<(), EditError>>,
     thread: JoinHandle<()>,
@@ -138,10 +140,11 @@ impl Edits {
         }
         let (sender, news) = channel();
         let progress = Arc::new(Finishing::default());
-        let (path, scope, planet) = (supply.path.clone(), supply.options.scope, planet.clone());
+        let (file, path) = (supply.path.clone(), supply.path.clone());
+        let (scope, planet) = (supply.options.scope, planet.clone());
         let (stop, shown) = (self.stop.clone(), progress.clone());
         let thread = std::thread::spawn(move || drop(sender.send(bring_back(&path, &planet, scope, &shown, &stop))));
-        self.finisher = Some(Finisher { progress, news, thread });
+        self.finisher = Some(Finisher { file, progress, news, thread });
     }
 
     fn state(&self) -> EditState {
@@ -159,9 +162,11 @@ impl Edits {
     /// Takes in what became of the patches that the file is to get back.
     fn take_finished(&mut self) {
         let Some(finished) = self.finisher.as_ref().and_then(|finisher| finisher.news.try_recv().ok()) else { return };
-        self.retired.extend(self.finisher.take().map(|finisher| finisher.thread));
+        let Some(Finisher { file, thread, .. }) = self.finisher.take() else { return };
+        self.retired.push(thread);
         if let Err(error) = finished {
-            self.failed = Some(format!("{error}; the edit is made, and 'terrane edit FILE resume' builds what is left"));
+            let how = format!("'terrane edit {} resume' builds what is left", file.display());
+            self.failed = Some(format!("{error}; the edit is made, and {how}"));
         }
     }
 }
