@@ -61,6 +61,39 @@ fn a_name_is_a_planet_whose_patches_are_kept_in_the_cache() {
 }
 
 #[test]
+fn an_edited_planet_in_the_cache_keeps_its_edits_and_says_so() {
+    if device().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let folder = folder.path();
+    let shot = |out: &str| {
+        let said = text(&succeeds(folder, &[&["shot", "tiny"], &SHOT[..], &[out]].concat()).stderr);
+        (std::fs::read(folder.join(out)).unwrap(), said)
+    };
+    let (original, _) = shot("a.png");
+    let file = kept(folder).remove(0).display().to_string();
+    succeeds(folder, &["edit", &file, "crater", "--at", "10,20", "--radius", "9000", "--depth", "2000"]);
+    for out in ["b.png", "c.png"] {
+        let (edited, said) = shot(out);
+        assert!(edited != original && said.contains("Tiny has 1 edit of its ground") && !said.contains("not kept"), "{said}");
+        assert!(said.contains(&format!("'terrane edit {file} list'")), "{said}");
+    }
+    assert!(edits_of(folder, &file) == 1 && kept(folder).len() == 1);
+    std::fs::remove_file(&file).unwrap();
+    assert_eq!(shot("d.png"), (original.clone(), String::new()));
+    succeeds(folder, &["edit", &file, "raise", "--at", "10,20", "--radius", "9000", "--by", "900"]);
+    succeeds(folder, &["edit", &file, "undo"]);
+    assert_eq!(shot("e.png"), (original, String::new()));
+}
+
+/// How many edits a file has.
+fn edits_of(folder: &Path, file: &str) -> usize {
+    let listed = succeeds(folder, &["edit", file, "list", "--json"]);
+    serde_json::from_slice::<serde_json::Value>(&listed.stdout).unwrap()["edits"].as_array().unwrap().len()
+}
+
+#[test]
 fn a_cache_that_cannot_be_written_keeps_nothing_and_says_so() {
     if device().is_none() {
         return;

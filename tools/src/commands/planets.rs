@@ -8,7 +8,7 @@ use tempfile::TempDir;
 use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
-use terrane_planet::recipe::shipped;
+use terrane_planet::recipe::{shipped, Recipe};
 use terrane_planet::store::{PlanetFile, PlanetHeader, StoreError};
 
 /// Cells along a patch side of a recipe's planet, as `terrane bake` has them.
@@ -94,16 +94,16 @@ fn cached(planet: &Planet) -> anyhow::Result<PlanetPlace> {
     Ok(PlanetPlace { path: made(folder.path(), &header)?, _folder: Some(folder) })
 }
 
-/// The planet's file in a folder, sound. One that is damaged or old is replaced, which is said on stderr.
+/// The planet's file in a folder, sound. One that is damaged or old is replaced, which is said on stderr; so are edits of its ground.
 fn made(folder: &Path, header: &PlanetHeader) -> anyhow::Result<PathBuf> {
     std::fs::create_dir_all(folder).with_context(|| format!("cannot make the folder {}", folder.display()))?;
     let path = folder.join(header.file_name());
+    let edited = edited(&path, header)?;
+    let header = edited.as_ref().unwrap_or(header);
     let sound = |path: &Path| PlanetFile::create_or_resume(path, header)?.index().map(drop);
     match sound(&path) {
         Ok(()) => {}
-        Err(error @ (StoreError::System { .. } | StoreError::Database { .. } | StoreError::Edited { .. })) => {
-            return Err(error.into())
-        }
+        Err(error @ (StoreError::System { .. } | StoreError::Database { .. })) => return Err(error.into()),
         Err(error) => {
             eprintln!("terrane: {error}: it is in the cache, and made anew");
             std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))?;
@@ -111,4 +111,16 @@ fn made(folder: &Path, header: &PlanetHeader) -> anyhow::Result<PathBuf> {
         }
     }
     Ok(path)
+}
+
+/// What a file says of its planet if it is that of a header with edits of the ground, which stay until they are undone.
+fn edited(path: &Path, header: &PlanetHeader) -> anyhow::Result<Option<PlanetHeader>> {
+    if !path.exists() || !matches!(PlanetFile::create_or_resume(path, header), Err(StoreError::Edited { .. })) {
+        return Ok(None);
+    }
+    let edited = PlanetFile::open(path)?.header().clone();
+    let count = Recipe::from_parts(&edited.recipe, &edited.name, edited.assets.clone())?.undoable_edits();
+    let (file, are) = (path.display(), if count == 1 { "edit" } else { "edits" });
+    eprintln!("terrane: {} has {count} {are} of its ground: 'terrane edit {file} list' shows, 'undo' takes back; without that file it is as its recipe says", edited.name);
+    Ok(Some(edited))
 }
