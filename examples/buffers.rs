@@ -7,6 +7,7 @@ use std::path::PathBuf;
 use terrane_planet::draw::camera_path::Keyframe;
 use terrane_planet::draw::loaded_patch::LoadedPatch;
 use terrane_planet::draw::view::View;
+use terrane_planet::draw::view_line::Stand;
 use terrane_planet::export::view_surface;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::mesh::progressive::PatchMesh;
@@ -24,8 +25,15 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let tree = planet.tree(meshes.iter().map(|mesh| (mesh.id, mesh.facts)));
 
     // A view from 20 km, with an error of at most one pixel in a picture of 1280 × 720.
-    let keyframe =
-        Keyframe { time_s: 0.0, latitude: 20.0, longitude: 30.0, altitude_m: 20e3, heading: 0.0, pitch: -60.0, fov: 50.0 };
+    let keyframe = Keyframe {
+        time_s: 0.0,
+        latitude: 20.0,
+        longitude: 30.0,
+        stand: Stand::Altitude(20e3),
+        heading: 0.0,
+        pitch: -60.0,
+        fov: 50.0,
+    };
     let view = View::new(planet.camera_at(&keyframe, [1280, 720]), &planet.lattice, planet.cells, 1.0);
 
     // Its triangles, welded over all patches: integers on the lattice, and three indices each.

@@ -11,6 +11,7 @@ use terrane::stills::{StillOptions, Studio};
 use terrane::vulkan::{Context, ContextOptions};
 use terrane_planet::draw::camera_path::Keyframe;
 use terrane_planet::draw::view::View;
+use terrane_planet::draw::view_line::Stand;
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
@@ -34,7 +35,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     // A view: 3 km above the ground, looking north-east, with an error of at most one pixel.
     let (latitude, longitude) = (20.0, 30.0);
-    let keyframe = Keyframe { time_s: 0.0, latitude, longitude, altitude_m: 3000.0, heading: 45.0, pitch: -20.0, fov: 50.0 };
+    let keyframe =
+        Keyframe { time_s: 0.0, latitude, longitude, stand: Stand::Altitude(3000.0), heading: 45.0, pitch: -20.0, fov: 50.0 };
     let camera = scene.planet().camera_at(&keyframe, [640, 360]);
     let view = View::new(camera, scene.lattice(), scene.planet().cells, 1.0);
     let look = Look::daylight(sun_over(direction_at(latitude, longitude), 135.0, 35.0));

@@ -376,8 +376,8 @@ impl Flight {
         // Drivers compile shaders while the first frames are drawn.
         let playback = self.playback.as_mut().filter(|_| self.frames > FIRST_FRAMES);
         match playback.and_then(|playback| playback.at(now)) {
-            Some(keyframe) => {
-                let camera = self.scene.planet().camera_at(&keyframe, self.viewer.lens.size);
+            Some(waypoint) => {
+                let camera = self.scene.planet().camera_on(&waypoint, self.viewer.lens.size);
                 self.viewer.lens.fov = camera.fov;
                 self.viewer.pose = Pose::of_camera(&camera);
                 self.viewer.rise(surface);

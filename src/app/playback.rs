@@ -1,7 +1,7 @@
 //! A camera path that the window plays, and what its frames cost.
 
 use std::time::{Duration, Instant};
-use terrane_planet::draw::camera_path::{CameraPath, Keyframe};
+use terrane_planet::draw::camera_path::{CameraPath, Waypoint};
 
 /// A frame of the window, as it was shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -43,7 +43,7 @@ impl Playback {
     }
 
     /// Where the viewer is at a time, while they move.
-    pub(super) fn at(&mut self, now: Instant) -> Option<Keyframe> {
+    pub(super) fn at(&mut self, now: Instant) -> Option<Waypoint> {
         let fresh = self.begun.is_none();
         let passed = now.duration_since(*self.begun.get_or_insert(now)).as_secs_f64();
         let moves = fresh || self.is_moving(now);

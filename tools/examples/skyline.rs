@@ -28,6 +28,7 @@ use terrane::vulkan::{Context, ContextOptions};
 use terrane_planet::draw::camera_path::Keyframe;
 use terrane_planet::draw::cut::Cut;
 use terrane_planet::draw::view::View;
+use terrane_planet::draw::view_line::Stand;
 use terrane_planet::globe::sphere::direction_at;
 
 /// A view of a desert whose skyline is nearly level.
@@ -137,7 +138,7 @@ fn measure(context: &Arc<Context>, file: &Path, options: &Options, size: [u32; 2
     let mut scene = scene.with_context(|| format!("{}; bake it first", file.display()))?;
     let [latitude, longitude, altitude_m] = options.at;
     let [heading, pitch] = options.look;
-    let keyframe = Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading, pitch, fov: 50.0 };
+    let keyframe = Keyframe { time_s: 0.0, latitude, longitude, stand: Stand::Altitude(altitude_m), heading, pitch, fov: 50.0 };
     let site: DVec3 = direction_at(latitude, longitude);
     let look = Look { clouds: options.clouds, ..Look::daylight(sun_over(site, options.sun[0], options.sun[1])) };
     scene.set_sun(look.sun);

@@ -4,7 +4,7 @@ pub mod bake;
 mod camera;
 pub mod edits;
 
-pub use camera::CLEARANCE_M;
+pub use camera::{CLEARANCE_M, LEAST_ALTITUDE_M};
 
 use crate::draw::tree::PatchTree;
 use crate::globe::lattice::Lattice;

@@ -8,7 +8,7 @@ mod savings;
 
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
-use super::paths::load_path;
+use super::paths::GivenPath;
 use super::planets::{planet_file, FILE, HELP};
 use super::stage_times::stage_times;
 use super::viewing::{check_tolerance, numbers, picture_size};
@@ -25,7 +25,8 @@ use terrane::headless::Headless;
 use terrane::measure::{measure_frame, FrameCost};
 use terrane::scene::{Scene, Scope};
 use terrane::vulkan::GpuInfo;
-use terrane_planet::draw::camera_path::Keyframe;
+use terrane_planet::draw::camera_path::{Keyframe, Waypoint};
+use terrane_planet::planet::Planet;
 use terrane_planet::store::slow::Delay;
 
 /// Measure the frames along a camera path: steady costs, after the patches of each frame have been loaded.
@@ -97,9 +98,10 @@ impl Run for Bench {
             return Ok(Outcome::Done);
         }
         check_tolerance(self.error)?;
-        let path = load_path(self.path())?;
+        let path = GivenPath::read(self.path())?;
         let scope = if self.live { Scope::Flight } else { Scope::Still };
         let (context, mut scene) = self.draw.open_for(&self.file, scope)?;
+        let path = path.over(scene.planet())?;
         let [width, height] = self.size;
         let mut headless = Headless::new(&context, (width, height))?;
         if self.live {
@@ -122,13 +124,13 @@ impl Run for Bench {
             self.measure(&mut scene, &mut headless, &look, &path.at(first), |view, _| view)?;
         }
         let variants = if self.savings { &VARIANTS[..] } else { &VARIANTS[..1] };
-        let (mut keyframes, mut costs) = (Vec::new(), vec![Vec::new(); variants.len()]);
+        let (mut waypoints, mut costs) = (Vec::new(), vec![Vec::new(); variants.len()]);
         for frame in 0..self.frames {
-            let keyframe = path.at(first + step * f64::from(frame));
+            let waypoint = path.at(first + step * f64::from(frame));
             for ((_, change), costs) in variants.iter().zip(&mut costs) {
-                costs.push(self.measure(&mut scene, &mut headless, &look, &keyframe, *change)?);
+                costs.push(self.measure(&mut scene, &mut headless, &look, &waypoint, *change)?);
             }
-            keyframes.push(keyframe);
+            waypoints.push(waypoint);
         }
         let summary = summarise(&costs[0])?;
         let device = context.device_info();
@@ -140,7 +142,8 @@ impl Run for Bench {
         if let Some(out) = &self.json {
             let mut report = self.report(device);
             report["summary"] = summary.iter().map(percentiles_of).collect::<serde_json::Map<_, _>>().into();
-            report["rows"] = keyframes.iter().zip(&costs[0]).map(|(keyframe, cost)| row(keyframe, cost)).collect();
+            let planet = scene.planet();
+            report["rows"] = waypoints.iter().zip(&costs[0]).map(|(waypoint, cost)| row(waypoint, planet, cost)).collect();
             if self.savings {
                 report["savings"] = savings::report(&costs);
             }
@@ -157,11 +160,11 @@ impl Bench {
         scene: &mut Scene,
         headless: &mut Headless,
         look: &Look,
-        keyframe: &Keyframe,
+        waypoint: &Waypoint,
         change: savings::Change,
     ) -> anyhow::Result<FrameCost> {
         let planet = scene.planet();
-        let view = change(self.draw.view(planet.camera_at(keyframe, self.size), planet, self.error), planet);
+        let view = change(self.draw.view(planet.camera_on(waypoint, self.size), planet, self.error), planet);
         Ok(measure_frame(scene, headless, &view, look)?)
     }
 
@@ -227,10 +230,11 @@ fn percentiles_of(line: &Line) -> (String, Value) {
     (line.name.clone(), json!({ "p50": p50, "p95": p95, "p99": p99, "max": max, "frames": line.frames }))
 }
 
-fn row(keyframe: &Keyframe, c: &FrameCost) -> Value {
+fn row(waypoint: &Waypoint, planet: &Planet, c: &FrameCost) -> Value {
+    let Keyframe { time_s, latitude, longitude, stand, heading, pitch, fov } = waypoint.keyframe();
     json!({
-        "time_s": keyframe.time_s, "latitude": keyframe.latitude, "longitude": keyframe.longitude, "altitude_m": keyframe.altitude_m,
-        "heading": keyframe.heading, "pitch": keyframe.pitch, "fov": keyframe.fov,
+        "time_s": time_s, "latitude": latitude, "longitude": longitude, "altitude_m": planet.altitude_of(waypoint.up, stand),
+        "heading": heading, "pitch": pitch, "fov": fov,
         "settle_ms": c.settle_ms, "cut_ms": c.cut_ms, "tables_ms": c.tables_ms, "record_ms": c.record_ms,
         "stages_gpu_ms": stage_times(&c.stages_ms), "gpu_wall_ms": c.gpu_wall_ms, "frame_ms": c.frame_ms,
         "triangles": c.triangles, "awake_vertices": c.awake, "prefix_vertices": c.prefix_vertices,

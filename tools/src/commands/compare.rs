@@ -1,7 +1,7 @@
 //! `terrane compare`: triangles at equal measured screen error, ours and those of classic methods.
 
 use super::output::{check_output, Output};
-use super::paths::load_path;
+use super::paths::GivenPath;
 use super::viewing::{check_tolerance, picture_size};
 use super::{pictures, Run};
 use crate::compare::{best, count_probes, viewpoints, Effort, Equal, Measured, Setting, Viewpoint, FAMILIES};
@@ -95,10 +95,10 @@ fn seconds(begun: Instant) -> f64 {
 
 impl Compare {
     fn cameras(&self, planet: &Planet, path: &Path) -> anyhow::Result<Vec<Camera>> {
-        let path = load_path(path)?;
+        let path = GivenPath::read(path)?.over(planet)?;
         let (first, last) = path.span();
         let step = (last - first) / f64::from(self.frames - 1);
-        Ok((0..self.frames).map(|k| planet.camera_at(&path.at(first + step * f64::from(k)), self.size)).collect())
+        Ok((0..self.frames).map(|k| planet.camera_on(&path.at(first + step * f64::from(k)), self.size)).collect())
     }
 
     /// One family after the other, so that only one keeps what it makes of patches.

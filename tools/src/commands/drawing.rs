@@ -10,7 +10,6 @@ use terrane::vulkan::Context;
 use terrane_planet::draw::camera_path::CameraPath;
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::draw::view_line::ViewLine;
-use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 
@@ -69,8 +68,7 @@ impl DrawOptions {
 
     /// The look of a whole path: the sun stands still, as seen from where the path ends.
     pub(crate) fn look_along(&self, recipe: &Recipe, path: &CameraPath) -> Look {
-        let end = path.at(path.span().1);
-        self.look.look(recipe, direction_at(end.latitude, end.longitude), Exposure::Fixed(1.0))
+        self.look.look(recipe, path.at(path.span().1).up, Exposure::Fixed(1.0))
     }
 }
 

@@ -3,7 +3,7 @@
 use super::building::{stop_on_signals, Report};
 use super::drawing::DrawOptions;
 use super::film::{container, Film};
-use super::paths::load_path;
+use super::paths::GivenPath;
 use super::planets::{planet_file, FILE, WITH_VIEW};
 use super::still::StillArguments;
 use super::viewing::{check_tolerance, picture_size};
@@ -88,15 +88,19 @@ impl Run for Record {
         let (size, error) = (self.size(), self.error());
         check_tolerance(error)?;
         ensure!((0.1..=240.0).contains(&self.fps), "--fps: {} is not within 0.1 and 240 frames a second", self.fps);
-        let path = load_path(&self.path)?;
-        let (first, last) = path.span();
-        let frames = ((last - first) * self.fps).floor() + 1.0;
-        ensure!(frames <= MOST_FRAMES, "--fps: {frames} frames, expected at most {MOST_FRAMES}; choose fewer a second");
+        let path = GivenPath::read(&self.path)?;
         let stop = stop_on_signals()?;
-        let mut film = self.film(&path)?;
+        let mut film = self.film()?;
         let place = planet_file(self.file.as_deref(), self.view.as_ref())?;
         let (context, mut scene) = self.draw.open(place.path())?;
         self.view.iter().for_each(|line| check_planet(line, scene.planet()));
+        let path = path.over(scene.planet())?;
+        let (first, last) = path.span();
+        let frames = ((last - first) * self.fps).floor() + 1.0;
+        ensure!(frames <= MOST_FRAMES, "--fps: {frames} frames, expected at most {MOST_FRAMES}; choose fewer a second");
+        if container(&self.out).is_none() {
+            self.check_notes(&self.out.join(NOTES), &path)?;
+        }
         let look = self.draw.look_along(&scene.planet().recipe, &path);
         scene.set_sun(look.sun);
         let mut studio = Studio::new(&context, size, self.still.options(PixelFormat::Eight))?;
@@ -110,9 +114,9 @@ impl Run for Record {
             if film.has(number) {
                 tally.kept += 1;
             } else {
-                let keyframe = path.at(first + (number - 1) as f64 / self.fps);
+                let waypoint = path.at(first + (number - 1) as f64 / self.fps);
                 let planet = scene.planet();
-                let view = self.draw.view(planet.camera_at(&keyframe, size), planet, error);
+                let view = self.draw.view(planet.camera_on(&waypoint, size), planet, error);
                 let cut = scene.settle(&view)?;
                 film.add(number, &studio.draw(&scene, &view, &cut, &look, &|_, _| ())?)?;
                 tally.drawn += 1;
@@ -137,7 +141,7 @@ impl Record {
     }
 
     /// Where the frames go. Fails before anything is drawn if they cannot.
-    fn film(&self, path: &CameraPath) -> anyhow::Result<Film> {
+    fn film(&self) -> anyhow::Result<Film> {
         if container(&self.out).is_some() {
             ensure!(!self.still.transparent_sky, "--transparent-sky: films have no alpha; record a folder of pictures");
             return Film::encoder(&self.out, self.size(), self.fps);
@@ -146,9 +150,7 @@ impl Record {
             let named = extension.to_string_lossy();
             ensure!(self.out.is_dir(), "--out: a .{named} is neither a film (.mp4, .webm) nor a folder that exists");
         }
-        let film = Film::folder(&self.out)?;
-        self.check_notes(&self.out.join(NOTES), path)?;
-        Ok(film)
+        Film::folder(&self.out)
     }
 
     /// Refuses to go on with pictures that were recorded otherwise.

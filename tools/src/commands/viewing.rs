@@ -161,7 +161,7 @@ impl CameraOptions {
         let keyframe = self.keyframe(planet)?;
         let stand = match self.at {
             Some([_, _, height]) if self.above_datum => Stand::Height(height),
-            _ => Stand::Altitude(keyframe.altitude_m),
+            _ => keyframe.stand,
         };
         let mut line = ViewLine::from_site([keyframe.latitude, keyframe.longitude], stand);
         line.look = Some([keyframe.heading, keyframe.pitch]);
@@ -236,7 +236,7 @@ pub(crate) fn keyframe_at(at: [f64; 3], look: Option<[f64; 2]>, fov: f64, planet
     ensure!((0.5..=1e9).contains(&altitude_m), "--at: altitude {altitude_m} is not within 0.5 and 1e9 metres");
     let [heading, pitch] = look.unwrap_or([0.0, default_pitch(planet.recipe.radius, altitude_m, fov)]);
     ensure!((-90.0..=90.0).contains(&pitch), "--look: pitch {pitch} is not within -90 and 90 degrees");
-    Ok(Keyframe { time_s: 0.0, latitude, longitude, altitude_m, heading, pitch, fov })
+    Ok(Keyframe { time_s: 0.0, latitude, longitude, stand: Stand::Altitude(altitude_m), heading, pitch, fov })
 }
 
 /// Refuses a tolerance, in pixels, that `--error` cannot have.

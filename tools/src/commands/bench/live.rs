@@ -10,14 +10,22 @@ use terrane::headless::Headless;
 use terrane::measure::live::{LiveFaults, LiveFlight, LiveFrame};
 use terrane::scene::Scene;
 use terrane::vulkan::Context;
-use terrane_planet::draw::camera_path::{CameraPath, Keyframe};
+use terrane_planet::draw::camera_path::CameraPath;
 
 /// Frames at the end of the path after which nothing more is waited for.
 const MOST_FRAMES_AT_END: usize = 20_000;
 
+/// A frame.
+struct Row {
+    time_s: f64,
+    altitude_m: f64,
+    frame: LiveFrame,
+    faults: LiveFaults,
+}
+
 /// A whole flight.
 pub(super) struct Flight {
-    rows: Vec<(Keyframe, LiveFrame, LiveFaults)>,
+    rows: Vec<Row>,
     /// Frames at the end of the path until nothing was missing.
     at_end: Vec<LiveFrame>,
     built: u64,
@@ -50,19 +58,21 @@ impl Bench {
         let look = self.draw.look_along(&planet.recipe, path);
         let mut flight = LiveFlight::new(context, scene, headless, step);
         for number in 0..self.frames as usize + MOST_FRAMES_AT_END {
-            let keyframe = path.at((first + step * number as f64).min(last));
-            let (frame, seen, cut) = flight.frame(planet.camera_at(&keyframe, self.size), &view, &look)?;
+            let waypoint = path.at((first + step * number as f64).min(last));
+            let (frame, seen, cut) = flight.frame(planet.camera_on(&waypoint, self.size), &view, &look)?;
             host = host.max(flight.scene().host_bytes().0);
             let check = Instant::now();
             let faults = if self.check { flight.faults(&seen, &cut, &look)? } else { LiveFaults::default() };
             checking += check.elapsed().as_secs_f64();
+            let altitude_m = planet.altitude_of(waypoint.up, waypoint.stand);
+            let row = Row { time_s: waypoint.time_s, altitude_m, frame, faults };
             if number < self.frames as usize {
-                rows.push((keyframe, frame, faults));
+                rows.push(row);
                 continue;
             }
             at_end.push(frame);
             if faults.total() > 0 {
-                rows.push((keyframe, frame, faults));
+                rows.push(row);
             }
             if frame.settled {
                 break;
@@ -70,7 +80,7 @@ impl Bench {
         }
         let wall_s = begun.elapsed().as_secs_f64() - checking;
         let tally = scene.tally();
-        let frames = || rows.iter().map(|(_, frame, _)| frame).chain(&at_end);
+        let frames = || rows.iter().map(|row| &row.frame).chain(&at_end);
         let gpu = frames().map(|frame| frame.gpu_bytes).max().unwrap_or(0);
         let allocated = frames().map(|frame| frame.allocated_bytes).max().unwrap_or(0);
         let bytes = [(gpu, scene.gpu_bytes().1), (host, scene.host_bytes().1)];
@@ -82,24 +92,24 @@ impl Flight {
     /// Milliseconds of the frames on the way: median, 95th percentile, worst.
     fn frame_ms(&self) -> anyhow::Result<[f64; 3]> {
         let mut histogram = Histogram::<u64>::new(3)?;
-        for (_, frame, _) in &self.rows {
-            histogram.record((frame.frame_ms * 1e3) as u64)?;
+        for row in &self.rows {
+            histogram.record((row.frame.frame_ms * 1e3) as u64)?;
         }
         Ok([0.5, 0.95, 1.0].map(|q| histogram.value_at_quantile(q) as f64 / 1e3))
     }
 
     fn faults(&self) -> LiveFaults {
-        self.rows.iter().fold(LiveFaults::default(), |sum, (_, _, f)| LiveFaults {
-            cracks: sum.cracks + f.cracks,
-            flipped: sum.flipped + f.flipped,
-            holes: sum.holes + f.holes,
+        self.rows.iter().fold(LiveFaults::default(), |sum, Row { faults, .. }| LiveFaults {
+            cracks: sum.cracks + faults.cracks,
+            flipped: sum.flipped + faults.flipped,
+            holes: sum.holes + faults.holes,
         })
     }
 
     /// Prints the table.
     pub(super) fn print(&self, checked: bool) -> anyhow::Result<()> {
         let [median, p95, worst] = self.frame_ms()?;
-        let lifted = self.rows.iter().map(|(_, frame, _)| frame.lifted_m).fold(0.0, f64::max);
+        let lifted = self.rows.iter().map(|row| row.frame.lifted_m).fold(0.0, f64::max);
         let megabytes = |bytes: u64| bytes as f64 / 1e6;
         println!("patches built          {:>8}   {:.1} a second, {:.0} ms each", self.built, self.rate(), self.build_ms());
         println!("patches read           {:>8}", self.read);
@@ -135,9 +145,9 @@ impl Flight {
     pub(super) fn report(&self) -> anyhow::Result<Value> {
         let [median, p95, worst] = self.frame_ms()?;
         let faults = self.faults();
-        let row = |(keyframe, f, faults): &(Keyframe, LiveFrame, LiveFaults)| {
+        let row = |Row { time_s, altitude_m, frame: f, faults }: &Row| {
             json!({
-                "time_s": keyframe.time_s, "altitude_m": keyframe.altitude_m, "update_ms": f.update_ms, "frame_ms": f.frame_ms,
+                "time_s": time_s, "altitude_m": altitude_m, "update_ms": f.update_ms, "frame_ms": f.frame_ms,
                 "triangles": f.triangles, "patches": f.patches, "resident_patches": f.resident, "awaited_patches": f.pending,
                 "gpu_bytes": f.gpu_bytes, "lifted_m": f.lifted_m, "settled": f.settled,
                 "cracks": faults.cracks, "flipped": faults.flipped, "holes": faults.holes,

@@ -38,7 +38,7 @@ impl CommandHost {
     }
 
     /// Finds a planet, and where to begin over it: as a view says, or as the command does.
-    pub(super) fn find(&mut self, what: Option<&Path>, view: Option<&ViewLine>) -> anyhow::Result<Opened> {
+    pub(super) fn find(&mut self, what: Option<&Path>, view: Option<&ViewLine>) -> anyhow::Result<(Opened, Planet)> {
         let (mut draw, mut camera) = (self.draw.clone(), self.camera.clone());
         if let Some(line) = view {
             camera.take(line);
@@ -58,7 +58,7 @@ impl CommandHost {
         };
         view.iter().for_each(|line| check_planet(line, &planet));
         self.places.push(place);
-        Ok(opened)
+        Ok((opened, planet))
     }
 }
 
@@ -102,11 +102,11 @@ impl Host for CommandHost {
         let is_picture = Path::new(what).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
         if what.starts_with(SCHEME) || is_picture {
             let view = given(what)?;
-            return self.find(None, Some(&view)).map_err(|error| format!("{error:#}"));
+            return self.find(None, Some(&view)).map(|(opened, _)| opened).map_err(|error| format!("{error:#}"));
         }
         // The camera that the command line asks for is over another planet.
         self.camera = self.camera.of_whole_planet();
-        self.find(Some(Path::new(what)), None).map_err(|error| format!("{error:#}"))
+        self.find(Some(Path::new(what)), None).map(|(opened, _)| opened).map_err(|error| format!("{error:#}"))
     }
 
     fn keep(&mut self, kept: &Settings) -> Result<(), String> {

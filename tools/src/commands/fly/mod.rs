@@ -6,7 +6,7 @@ mod settings;
 
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
-use super::paths::load_path;
+use super::paths::GivenPath;
 use super::planets::FILE;
 use super::viewing::{report_messages, CameraOptions};
 use super::views::{given, HELP as HELP_VIEW, VALUE};
@@ -107,9 +107,10 @@ impl Run for Fly {
             shelf: Shelf::of_user(),
             clipboard: None,
         };
-        let opened = host.find(given, self.view.as_ref())?;
+        let path = self.path.as_deref().map(GivenPath::read).transpose()?;
+        let (opened, planet) = host.find(given, self.view.as_ref())?;
         settings.note_opened(&opened.name);
-        let path = self.path.as_deref().map(load_path).transpose()?;
+        let path = path.map(|path| path.over(&planet)).transpose()?;
         let (report, ended) = fly(FlyOptions {
             file: opened.file,
             scale: self.scale.0.or(settings.scale).map(Scale::Fixed).or(self.frame_ms.map(Scale::Within)),

@@ -2,6 +2,7 @@
 
 use super::{Picture, Sight, Turn, Usage};
 use serde_json::{json, Value};
+use terrane_planet::draw::view_line::Stand;
 
 /// A row of what was measured.
 pub(super) enum Row<'a> {
@@ -91,8 +92,9 @@ impl Row<'_> {
 
 fn described(sight: &Sight, row: &str, mut value: Value, usage: &Usage) -> Value {
     let k = &sight.keyframe;
+    let (Stand::Altitude(altitude_m) | Stand::Height(altitude_m)) = k.stand;
     value["view"] = json!({
-        "name": sight.name, "latitude": k.latitude, "longitude": k.longitude, "altitude_m": k.altitude_m,
+        "name": sight.name, "latitude": k.latitude, "longitude": k.longitude, "altitude_m": altitude_m,
         "heading": k.heading, "pitch": k.pitch, "fov": k.fov,
     });
     value["row"] = row.into();

@@ -75,6 +75,7 @@ fn highest_site(planet: &Planet) -> [f64; 2] {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use terrane_planet::draw::view_line::Stand;
     use terrane_planet::recipe::shipped;
 
     fn planet(name: &str) -> Planet {
@@ -93,7 +94,7 @@ mod tests {
         let from_afar = &sights(&tiny, None, None).unwrap()[0];
         assert!(from_afar.keyframe.pitch < -80.0, "{}", from_afar.keyframe.pitch);
         let asked = sights(&tiny, Some([10.0, 20.0, 500.0]), Some([30.0, -20.0])).unwrap();
-        assert_eq!((asked.len(), asked[0].keyframe.altitude_m, asked[0].keyframe.pitch), (1, 500.0, -20.0));
+        assert_eq!((asked.len(), asked[0].keyframe.stand, asked[0].keyframe.pitch), (1, Stand::Altitude(500.0), -20.0));
         assert!(sights(&tiny, Some([100.0, 20.0, 500.0]), None).is_err());
     }
 }
