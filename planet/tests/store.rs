@@ -8,7 +8,7 @@ use terrane_planet::globe::patch::PatchId;
 use terrane_planet::mesh::builder::Faults;
 use terrane_planet::planet::bake::{bake, BakePlan, BakeSummary};
 use terrane_planet::planet::Planet;
-use terrane_planet::recipe::Recipe;
+use terrane_planet::recipe::{ground_text, Recipe};
 use terrane_planet::store::{geometry, imagery, BakedPatch, PlanetFile, RecordError, StoreError, FORMAT_VERSION};
 
 const CELLS: u32 = 16;
@@ -52,6 +52,31 @@ fn read_all(path: &Path) -> Result<String, StoreError> {
         write!(text, "{}", crc32fast::hash(file.texture(record.id)?.albedo.as_flattened())).unwrap();
     }
     Ok(text)
+}
+
+#[test]
+fn a_file_from_before_its_places_is_the_same_planet_and_gets_them() {
+    let folder = Folder::new();
+    let path = folder.path("a.planet");
+    let with = |places: &str| {
+        let text = ground_text(&tiny(CELLS).recipe.text).into_owned() + places;
+        Planet::from_recipe(Recipe::from_toml(&text, "tiny", Path::new("")).unwrap(), CELLS).unwrap()
+    };
+    let bare = with("");
+    let view = "latitude_deg = 1\nlongitude_deg = 2\naltitude_m = 3\nheading_deg = 4\npitch_deg = 5\n";
+    let placed = with(&format!("\n[[place]]\nname = \"Here\"\n{view}"));
+    assert_eq!((bare.header().checksum(), bare.header().file_name()), (placed.header().checksum(), placed.header().file_name()));
+    bake_levels(&path, &bare, 1);
+    let patches = PlanetFile::open(&path).unwrap().index().unwrap();
+    drop(PlanetFile::create_or_resume(&path, &placed.header()).unwrap());
+    let file = PlanetFile::open(&path).unwrap();
+    assert!(file.index().unwrap() == patches);
+    assert_eq!(Planet::from_header(file.header()).unwrap().recipe.place("here").unwrap().pitch_deg, 5.0);
+    drop(file);
+    // Anything else in the recipe makes another planet.
+    let other = Recipe::from_toml(&placed.recipe.text.replace("seed = 7", "seed = 8"), "tiny", Path::new("")).unwrap();
+    let refused = PlanetFile::create_or_resume(&path, &Planet::from_recipe(other, CELLS).unwrap().header());
+    assert!(matches!(refused, Err(StoreError::Differs { what: "the recipe", .. })));
 }
 
 #[test]

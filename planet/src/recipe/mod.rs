@@ -7,6 +7,7 @@ mod edit;
 mod error;
 mod layer;
 mod palette;
+mod place;
 mod reader;
 pub mod shipped;
 
@@ -17,6 +18,7 @@ pub use error::RecipeError;
 pub(crate) use layer::layer_kinds;
 pub use layer::*;
 pub use palette::{Airless, Colour, Desert, Living, Palette};
+pub use place::{ground_text, Place, PlaceError};
 
 use crate::globe::sun::EARTH_TILT;
 use reader::{Reader, Source};
@@ -72,6 +74,8 @@ pub struct Recipe {
     pub edits: Vec<Edit>,
     /// Ground colours.
     pub palette: Palette,
+    /// Views worth a visit. They decide nothing of the planet, and planets that differ in nothing else are the same.
+    pub places: Vec<Place>,
     /// The text this recipe was read from.
     pub text: String,
     /// The files that the text names, in order of first use.
@@ -161,6 +165,7 @@ impl Recipe {
         let edits = reader.tables("edit")?.iter().map(|r| Edit::read(r, radius)).collect::<Result<_, _>>()?;
         let palette = reader.table("palette")?.ok_or_else(|| reader.wrong("palette", 1, "nothing", "a table"))?;
         let palette = Palette::read(&palette)?;
+        let places = Place::read_all(&reader, text)?;
         reader.finish()?;
         let (text, file) = (text.to_owned(), file.to_owned());
         Ok(Self {
@@ -175,6 +180,7 @@ impl Recipe {
             layers,
             edits,
             palette,
+            places,
             text,
             assets: Vec::new(),
             file,
@@ -207,6 +213,14 @@ impl Recipe {
             Some(())
         });
         ends.count()
+    }
+
+    /// The place that a name means: its own or, if only one place has it, the beginning of it, in small or capital letters.
+    ///
+    /// # Errors
+    /// If no place or several are meant, with the names that there are.
+    pub fn place(&self, name: &str) -> Result<&Place, PlaceError> {
+        Place::find(&self.places, &self.name, name)
     }
 
     /// Metres above the datum of what lies uppermost where the ground is `ground_m` metres above it: the ground, or the sea that covers it.

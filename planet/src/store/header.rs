@@ -5,12 +5,15 @@ use super::error::{failure, StoreError};
 use super::geometry;
 use super::schema::{APPLICATION_ID, FORMAT_VERSION, TABLES};
 use crate::globe::lattice::Lattice;
-use crate::recipe::Asset;
+use crate::recipe::{ground_text, Asset};
 use rusqlite::{params, Connection, OpenFlags};
 use std::path::{Path, PathBuf};
 
 /// Bytes a database page: patches are hundreds of kilobytes, so pages are larger than SQLite's default.
 const PAGE_BYTES: u32 = 8192;
+
+/// What the builder takes as given: the coarsest tolerance, and the deviation's share of it.
+const BUILDER: [f64; 2] = [crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE];
 
 /// What a planet file says about its planet.
 #[derive(Clone, Debug, PartialEq)]
@@ -43,9 +46,14 @@ impl PlanetHeader {
         format!("{name}-{:08x}.planet", self.checksum())
     }
 
-    /// Checksum over all of it, and over what the builder takes as given.
+    /// Checksum over all of it but the recipe's places, which decide nothing, and over what the builder takes as given.
     pub fn checksum(&self) -> u32 {
-        header_checksum(self, crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE)
+        header_checksum(self, &ground_text(&self.recipe), BUILDER)
+    }
+
+    /// Checksum over all of it, with which a file is sealed.
+    pub(super) fn seal(&self) -> u32 {
+        header_checksum(self, &self.recipe, BUILDER)
     }
 }
 
@@ -73,7 +81,7 @@ fn write_header(draft: &Path, header: &PlanetHeader) -> rusqlite::Result<()> {
     let transaction = connection.transaction()?;
     transaction.execute_batch(TABLES)?;
     let (lattice, [lowest, highest]) = (header.lattice, header.height_range);
-    let checksum = header.checksum();
+    let checksum = header.seal();
     transaction.execute(
         "INSERT INTO planet VALUES (?1, ?2, ?3, ?4, ?5, ?6, ?7, ?8, ?9, ?10)",
         params![
@@ -99,25 +107,25 @@ fn write_header(draft: &Path, header: &PlanetHeader) -> rusqlite::Result<()> {
 /// Puts another recipe and its height range in place of those in the file; all else stays.
 pub(super) fn replace(connection: &Connection, header: &PlanetHeader) -> rusqlite::Result<()> {
     let [lowest, highest] = header.height_range;
-    let values = params![header.recipe, lowest, highest, header.checksum()];
+    let values = params![header.recipe, lowest, highest, header.seal()];
     connection.execute("UPDATE planet SET recipe = ?1, lowest_m = ?2, highest_m = ?3, checksum = ?4", values).map(drop)
 }
 
-fn header_checksum(header: &PlanetHeader, kappa: f64, deviation_share: f64) -> u32 {
+fn header_checksum(header: &PlanetHeader, recipe: &str, builder: [f64; 2]) -> u32 {
     let mut hasher = crc32fast::Hasher::new();
     let mut add = |bytes: &[u8]| {
         hasher.update(&(bytes.len() as u64).to_le_bytes());
         hasher.update(bytes);
     };
     add(header.name.as_bytes());
-    add(header.recipe.as_bytes());
+    add(recipe.as_bytes());
     for asset in &header.assets {
         add(asset.name.as_bytes());
         add(&asset.bytes);
     }
     add(&header.cells.to_le_bytes());
     let [lowest, highest] = header.height_range;
-    for number in [kappa, deviation_share, header.lattice.unit, header.lattice.radius, lowest, highest] {
+    for number in builder.into_iter().chain([header.lattice.unit, header.lattice.radius, lowest, highest]) {
         add(&number.to_le_bytes());
     }
     hasher.finalize()
@@ -145,15 +153,15 @@ pub(super) fn read(connection: &Connection, path: &Path) -> Result<PlanetHeader,
     let asset = |row: &rusqlite::Row| Ok(Asset { name: row.get(0)?, bytes: row.get(1)? });
     let mut statement = moment.prepare("SELECT name, bytes FROM asset ORDER BY place").map_err(failed)?;
     header.assets = statement.query_map([], asset).and_then(Iterator::collect).map_err(failed)?;
-    let found = header_checksum(&header, kappa, share);
+    let found = header_checksum(&header, &header.recipe, [kappa, share]);
     if found != expected {
         return Err(damaged(format!("the planet's description has checksum {found:08x}, expected {expected:08x}")));
     }
     if !geometry::cells_are_valid(header.cells) {
         return Err(damaged(format!("{} cells along a patch side", header.cells)));
     }
-    if (kappa, share) != (crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE) {
-        let expected = format!("{} with share {}", crate::mesh::certificate::KAPPA, crate::mesh::certificate::DEVIATION_SHARE);
+    if [kappa, share] != BUILDER {
+        let expected = format!("{} with share {}", BUILDER[0], BUILDER[1]);
         let found = format!("{kappa} with share {share}");
         return Err(StoreError::Differs { file: path.to_owned(), what: "the coarsest tolerance", found, expected });
     }
@@ -179,7 +187,7 @@ fn check_length(moment: &Connection, path: &Path) -> Result<(), StoreError> {
     Ok(())
 }
 
-/// Refuses a file that was baked from anything else.
+/// Refuses a file that was baked from anything else. Places may differ.
 pub(super) fn check_same(path: &Path, found: &PlanetHeader, expected: &PlanetHeader) -> Result<(), StoreError> {
     let size =
         |assets: &[Asset]| assets.iter().map(|a| format!("{} ({} bytes)", a.name, a.bytes.len())).collect::<Vec<_>>().join(", ");
@@ -188,14 +196,15 @@ pub(super) fn check_same(path: &Path, found: &PlanetHeader, expected: &PlanetHea
     let text = |h: &PlanetHeader| {
         format!("'{}', {} bytes, checksum {:08x}", h.name, h.recipe.len(), crc32fast::hash(h.recipe.as_bytes()))
     };
+    let (found_text, expected_text) = (ground_text(&found.recipe), ground_text(&expected.recipe));
     let differs = [
         (found.cells != expected.cells, "cells along a patch side", found.cells.to_string(), expected.cells.to_string()),
-        (found.recipe != expected.recipe || found.name != expected.name, "the recipe", text(found), text(expected)),
+        (found_text != expected_text || found.name != expected.name, "the recipe", text(found), text(expected)),
         (found.assets != expected.assets, "the recipe's files", size(&found.assets), size(&expected.assets)),
         (found.lattice != expected.lattice, "the lattice", lattice(found), lattice(expected)),
         (found.height_range != expected.height_range, "the height range", range(found), range(expected)),
     ];
-    let edits = found.recipe.strip_prefix(&expected.recipe).filter(|rest| rest.starts_with("\n[[edit]]"));
+    let edits = found_text.strip_prefix(&*expected_text).filter(|rest| rest.starts_with("\n[[edit]]"));
     match differs.into_iter().find(|d| d.0) {
         None => Ok(()),
         Some((_, "the recipe", ..)) if edits.is_some() => Err(StoreError::Edited { file: path.to_owned() }),

@@ -33,13 +33,14 @@ pub struct PlanetFile {
     connection: Connection,
     path: PathBuf,
     header: PlanetHeader,
-    /// Of the header: in the file it changes when the ground is edited.
+    /// The header's seal: in the file it changes when the ground is edited.
     checksum: u32,
     writable: bool,
 }
 
 impl PlanetFile {
-    /// Opens a file for adding patches of the planet that `header` describes; makes it if there is none.
+    /// Opens a file for adding patches of the planet that `header` describes; makes it if there is none. A file with other places gets
+    /// those of `header`, if it can be written.
     ///
     /// # Errors
     /// If the path cannot be written, or holds anything but a sound planet file of the same planet and grid.
@@ -48,8 +49,17 @@ impl PlanetFile {
             header::create(path, header)?;
         }
         check_stamp(path)?;
-        let file = PlanetFile::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE, true)?;
+        let mut file = PlanetFile::connect(path, OpenFlags::SQLITE_OPEN_READ_WRITE, true)?;
         header::check_same(path, &file.header, header)?;
+        if file.header.recipe != header.recipe {
+            match file.transaction("change the places", |connection| header::replace(connection, header)) {
+                Ok(()) => {
+                    file.header.recipe.clone_from(&header.recipe);
+                    file.checksum = header.seal();
+                }
+                Err(error) => tracing::warn!(%error, file = %path.display(), "the places of the recipe are not kept"),
+            }
+        }
         Ok(file)
     }
 
@@ -87,7 +97,7 @@ impl PlanetFile {
         let connection = Connection::open_with_flags(path, access | OpenFlags::SQLITE_OPEN_NO_MUTEX).map_err(failed)?;
         prepare(&connection).map_err(failed)?;
         let header = header::read(&connection, path)?;
-        let checksum = header.checksum();
+        let checksum = header.seal();
         Ok(PlanetFile { connection, path: path.to_owned(), header, checksum, writable })
     }
 
@@ -313,7 +323,7 @@ impl PlanetFile {
             pending::done(connection, built.iter().filter(|p| p.record.is_whole()).map(|p| p.record.id))
         })?;
         self.header = header.clone();
-        self.checksum = header.checksum();
+        self.checksum = header.seal();
         Ok(removed)
     }
 
