@@ -3,8 +3,10 @@
 pub mod bake;
 mod camera;
 pub mod edits;
+mod journeys;
 
 pub use camera::{CLEARANCE_M, LEAST_ALTITUDE_M};
+pub use journeys::Journey;
 
 use crate::draw::tree::PatchTree;
 use crate::globe::lattice::Lattice;
