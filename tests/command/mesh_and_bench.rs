@@ -106,7 +106,7 @@ fn benches_record_every_frame() {
     assert_eq!(rows.len(), 3);
     let number = |row: usize, name: &str| rows[row][name].as_f64().unwrap();
     assert!(number(0, "triangles") > 0.0 && number(2, "triangles") > 0.0 && number(1, "frame_ms") > 0.0, "{rows:?}");
-    assert!((number(0, "altitude_m") / 2e7 - 1.0).abs() < 1e-9 && number(2, "time_s") == 60.0);
+    assert!((number(0, "altitude_m") / 93_000.0 - 1.0).abs() < 1e-9 && number(2, "time_s") == 60.0);
     assert!(!result["commit"].as_str().unwrap().is_empty() && !result["device"].as_str().unwrap().is_empty());
     assert_eq!(result["summary"]["frame ms"]["frames"], 3);
 }

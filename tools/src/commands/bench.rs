@@ -8,7 +8,7 @@ mod savings;
 
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
-use super::paths::GivenPath;
+use super::paths::{self, GivenPath};
 use super::planets::{planet_file, FILE, HELP};
 use super::stage_times::stage_times;
 use super::viewing::{check_tolerance, numbers, picture_size};
@@ -31,15 +31,14 @@ use terrane_planet::store::slow::Delay;
 
 /// Measure the frames along a camera path: steady costs, after the patches of each frame have been loaded.
 ///
-/// A path is a JSON list of keyframes {time_s, latitude, longitude, altitude_m, heading, pitch, fov}: degrees, and metres above
-/// the ground or the sea. Frames stand at equal steps of time. Between keyframes every quantity follows a smooth curve that never
-/// overshoots; altitudes by their logarithms, angles the short way.
+/// A path is a JSON list of keyframes {time_s, latitude, longitude, altitude_m, heading, pitch, fov}: degrees, and metres above the ground
+/// or the sea; or height_m, above the datum. {"pace": "constant", "keyframes": […]} makes the speed follow the altitude. Frames stand at
+/// equal steps of time. docs/paths.md says what lies between keyframes.
 #[derive(clap::Args)]
 pub(crate) struct Bench {
     #[arg(value_name = FILE, help = HELP)]
     file: PathBuf,
-    /// Keyframes: a JSON file, or `descent`, `flyover`, `ground` or `plunge`, which come with the command.
-    #[arg(long, value_name = "PATH.json|NAME", required_unless_present = "first_look")]
+    #[arg(long, value_name = paths::VALUE, help = paths::HELP, required_unless_present = "first_look")]
     path: Option<PathBuf>,
     /// Frames to measure.
     #[arg(long, default_value_t = 120, value_parser = clap::value_parser!(u32).range(2..=100_000))]

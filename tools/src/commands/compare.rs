@@ -25,8 +25,8 @@ use terrane_planet::store::PlanetFile;
 pub(crate) struct Compare {
     /// Planet file.
     file: PathBuf,
-    /// Camera paths: JSON files, or `descent` and `flyover`, which come with the command.
-    #[arg(long, value_name = "PATH.json|NAME", value_delimiter = ',', default_value = "descent,flyover")]
+    /// Camera paths, as `terrane bench` takes them.
+    #[arg(long, value_name = "PATH.json|NAME", value_delimiter = ',', default_value = "terra-descent,flyover")]
     path: Vec<PathBuf>,
     /// Frames of each path.
     #[arg(long, default_value_t = 16, value_parser = clap::value_parser!(u32).range(2..=1000))]

@@ -82,7 +82,7 @@ impl Run for Growth {
         let camera = self.camera.camera(scene.planet())?;
         let [width, height] = camera.size;
         let mut headless = Headless::new(&context, (width, height))?;
-        let look = self.draw.look.look(&scene.planet().recipe, self.camera.site(), Exposure::Fixed(1.0));
+        let look = self.draw.look.look(&scene.planet().recipe, self.camera.site(&scene.planet().recipe)?, Exposure::Fixed(1.0));
         let mut points = Vec::new();
         for step in 0..self.steps {
             let along = f64::from(step) / f64::from(self.steps - 1);

@@ -3,10 +3,11 @@
 use super::edit::edit_json;
 use super::Run;
 use crate::Outcome;
-use serde_json::json;
+use serde_json::{json, Value};
 use std::path::PathBuf;
 use terrane_planet::globe::sphere::latitude_longitude;
 use terrane_planet::planet::Planet;
+use terrane_planet::recipe::Place;
 use terrane_planet::store::{PatchRecord, PlanetFile, FORMAT_VERSION};
 
 /// Say what a planet file holds.
@@ -54,6 +55,13 @@ fn levels(index: &[PatchRecord]) -> Vec<Level> {
     levels
 }
 
+fn place_json(place: &Place) -> Value {
+    json!({
+        "name": place.name, "latitude": place.latitude_deg, "longitude": place.longitude_deg, "altitude_m": place.altitude_m,
+        "heading": place.heading_deg, "pitch": place.pitch_deg,
+    })
+}
+
 impl Run for Info {
     fn run(self) -> anyhow::Result<Outcome> {
         let file = PlanetFile::open(&self.file)?;
@@ -79,6 +87,7 @@ impl Run for Info {
                 "patches": patches, "textures_only": textured, "surveyed_only": surveyed, "vertices": vertices, "geometry_bytes": geometry, "texture_bytes": texture,
                 "bytes_per_vertex": bytes_per_vertex, "levels": levels.iter().map(level).collect::<Vec<_>>(),
                 "edits": planet.recipe.edits.iter().map(edit_json).collect::<Vec<_>>(), "pending": pending.len(),
+                "places": planet.recipe.places.iter().map(place_json).collect::<Vec<_>>(),
                 "regions": regions.iter().map(region).collect::<Vec<_>>(),
             });
             println!("{info}");
@@ -100,6 +109,10 @@ impl Run for Info {
         for region in &regions {
             let (latitude, longitude) = latitude_longitude(region.direction);
             println!("region {latitude:.4}, {longitude:.4}: {} km, to level {}", region.radius_m / 1e3, region.to_level);
+        }
+        for place in &planet.recipe.places {
+            let Place { name, latitude_deg, longitude_deg, altitude_m, heading_deg, pitch_deg } = place;
+            println!("place {name}: --at {latitude_deg},{longitude_deg},{altitude_m} --look {heading_deg},{pitch_deg}");
         }
         for edit in &planet.recipe.edits {
             println!("edit: {edit}");

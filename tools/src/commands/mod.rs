@@ -1,6 +1,7 @@
 //! The subcommands, one file each. A new one is a file with a [`clap::Args`] struct that implements [`Run`], its `mod` line, and one line in
 //! `commands!`.
 
+mod at;
 mod bake;
 mod bench;
 mod building;

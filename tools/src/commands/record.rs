@@ -3,7 +3,7 @@
 use super::building::{stop_on_signals, Report};
 use super::drawing::DrawOptions;
 use super::film::{container, Film};
-use super::paths::GivenPath;
+use super::paths::{self, GivenPath};
 use super::planets::{planet_file, FILE, WITH_VIEW};
 use super::still::StillArguments;
 use super::viewing::{check_tolerance, picture_size};
@@ -16,7 +16,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 use terrane::stills::{PixelFormat, Studio};
-use terrane_planet::draw::camera_path::CameraPath;
+use terrane_planet::draw::camera_path::Route;
 use terrane_planet::draw::view_line::ViewLine;
 
 /// Picture size and tolerance in pixels unless told otherwise.
@@ -38,8 +38,7 @@ const MOST_FRAMES: f64 = 999_999.0;
 pub(crate) struct Record {
     #[arg(value_name = FILE, help = WITH_VIEW)]
     file: Option<PathBuf>,
-    /// Keyframes: a JSON file, or `descent`, `flyover`, `ground` or `plunge`, which come with the command.
-    #[arg(long, value_name = "PATH.json|NAME")]
+    #[arg(long, value_name = paths::VALUE, help = paths::HELP)]
     path: PathBuf,
     /// Frames a second, 0.1 to 240.
     #[arg(long, value_name = "F", default_value_t = 30.0)]
@@ -94,12 +93,12 @@ impl Run for Record {
         let place = planet_file(self.file.as_deref(), self.view.as_ref())?;
         let (context, mut scene) = self.draw.open(place.path())?;
         self.view.iter().for_each(|line| check_planet(line, scene.planet()));
-        let path = path.over(scene.planet())?;
+        let (route, path) = (path.route(scene.planet()), path.over(scene.planet())?);
         let (first, last) = path.span();
         let frames = ((last - first) * self.fps).floor() + 1.0;
         ensure!(frames <= MOST_FRAMES, "--fps: {frames} frames, expected at most {MOST_FRAMES}; choose fewer a second");
         if container(&self.out).is_none() {
-            self.check_notes(&self.out.join(NOTES), &path)?;
+            self.check_notes(&self.out.join(NOTES), &route)?;
         }
         let look = self.draw.look_along(&scene.planet().recipe, &path);
         scene.set_sun(look.sun);
@@ -154,10 +153,10 @@ impl Record {
     }
 
     /// Refuses to go on with pictures that were recorded otherwise.
-    fn check_notes(&self, notes: &Path, path: &CameraPath) -> anyhow::Result<()> {
+    fn check_notes(&self, notes: &Path, route: &Route) -> anyhow::Result<()> {
         let seen = self.view.as_ref().and_then(|line| line.planet.as_ref());
         let ours = json!({
-            "planet": self.file.as_deref().or(seen.map(Path::new)), "path": format!("{path:?}"), "fps": self.fps, "size": self.size(), "tolerance_px": self.error(),
+            "planet": self.file.as_deref().or(seen.map(Path::new)), "path": route.to_json(), "fps": self.fps, "size": self.size(), "tolerance_px": self.error(),
             "still": format!("{:?}", self.still.options(PixelFormat::Eight)), "mesh": format!("{:?}", self.draw.mesh), "look": format!("{:?}", self.draw.look),
         });
         if !notes.exists() {

@@ -65,7 +65,7 @@ impl Run for Shot {
         self.view.iter().for_each(|line| check_planet(line, scene.planet()));
         let camera = self.camera.camera(scene.planet())?;
         let view = self.draw.view(camera, scene.planet(), self.camera.error());
-        let look = self.draw.look.look(&scene.planet().recipe, self.camera.site(), Exposure::Fixed(1.0));
+        let look = self.draw.look.look(&scene.planet().recipe, self.camera.site(&scene.planet().recipe)?, Exposure::Fixed(1.0));
         scene.set_sun(look.sun);
         first_picture(&mut scene, &view)?;
         let first_ms = begun.elapsed().as_secs_f64() * 1e3;

@@ -1,5 +1,6 @@
 //! Options that the rendering commands share: which GPU, where the camera is, how the picture looks.
 
+use super::at::{at, At, Stance};
 use anyhow::{bail, ensure, Context as _};
 use clap::ValueEnum as _;
 use glam::DVec3;
@@ -110,10 +111,12 @@ pub(crate) fn report_messages(messages: &[ValidationMessage]) -> anyhow::Result<
 /// Where the camera is and what it resolves.
 #[derive(clap::Args, Clone, Default)]
 pub(crate) struct CameraOptions {
-    /// Latitude and longitude in degrees, and metres above the ground or the sea there; by default the whole planet from afar.
-    #[arg(long, value_name = "LAT,LON,ALT_M", value_parser = numbers::<3>, allow_hyphen_values = true)]
-    at: Option<[f64; 3]>,
-    /// Degrees clockwise from north, and degrees above the horizontal; by default towards the horizon, or down from afar.
+    /// Latitude and longitude in degrees, and metres above the ground or the sea there; or a place of the planet, which `terrane info`
+    /// lists; by default the whole planet from afar.
+    #[arg(long, value_name = "LAT,LON,ALT_M|PLACE[,ALT_M]", value_parser = at, allow_hyphen_values = true)]
+    at: Option<At>,
+    /// Degrees clockwise from north, and degrees above the horizontal; by default as the place has it, else towards the horizon, or down
+    /// from afar.
     #[arg(long, value_name = "HEADING,PITCH", value_parser = numbers::<2>, allow_hyphen_values = true)]
     look: Option<[f64; 2]>,
     /// Vertical field of view in degrees [default: 50].
@@ -147,7 +150,7 @@ impl CameraOptions {
             let ([latitude, longitude], stand) = (line.at, line.stand);
             self.above_datum = matches!(stand, Stand::Height(_));
             let (Stand::Altitude(metres) | Stand::Height(metres)) = stand;
-            self.at = Some([latitude, longitude, metres]);
+            self.at = Some(At::Site([latitude, longitude, metres]));
         }
         self.look = self.look.or(line.look);
         self.fov = self.fov.or(line.fov);
@@ -160,7 +163,7 @@ impl CameraOptions {
     pub(crate) fn line(&self, planet: &Planet) -> anyhow::Result<ViewLine> {
         let keyframe = self.keyframe(planet)?;
         let stand = match self.at {
-            Some([_, _, height]) if self.above_datum => Stand::Height(height),
+            Some(At::Site([_, _, height])) if self.above_datum => Stand::Height(height),
             _ => keyframe.stand,
         };
         let mut line = ViewLine::from_site([keyframe.latitude, keyframe.longitude], stand);
@@ -197,10 +200,17 @@ impl CameraOptions {
         self.size.unwrap_or(DEFAULT_SIZE)
     }
 
+    /// Where the camera stands on a planet.
+    fn stance(&self, recipe: &Recipe) -> anyhow::Result<Stance> {
+        let [latitude, longitude] = DEFAULT_SITE;
+        let afar = ([latitude, longitude, DEFAULT_ALTITUDE_RADII * recipe.radius], None);
+        self.at.as_ref().map_or(Ok(afar), |at| at.stance(recipe))
+    }
+
     /// Unit vector to the site under the camera.
-    pub(crate) fn site(&self) -> DVec3 {
-        let [latitude, longitude, _] = self.at.unwrap_or([DEFAULT_SITE[0], DEFAULT_SITE[1], 0.0]);
-        direction_at(latitude, longitude)
+    pub(crate) fn site(&self, recipe: &Recipe) -> anyhow::Result<DVec3> {
+        let ([latitude, longitude, _], _) = self.stance(recipe)?;
+        Ok(direction_at(latitude, longitude))
     }
 
     /// The camera over a planet.
@@ -210,10 +220,9 @@ impl CameraOptions {
     }
 
     fn keyframe(&self, planet: &Planet) -> anyhow::Result<Keyframe> {
-        let [latitude, longitude] = DEFAULT_SITE;
-        let mut at = self.at.unwrap_or([latitude, longitude, DEFAULT_ALTITUDE_RADII * planet.recipe.radius]);
+        let (mut at, look) = self.stance(&planet.recipe)?;
         if self.above_datum {
-            let surface = planet.surface_height(self.site());
+            let surface = planet.surface_height(self.site(&planet.recipe)?);
             let height = at[2];
             at[2] -= surface;
             ensure!(
@@ -222,7 +231,7 @@ impl CameraOptions {
                 surface + 0.5
             );
         }
-        keyframe_at(at, self.look, self.fov.unwrap_or(DEFAULT_FOV), planet)
+        keyframe_at(at, self.look.or(look), self.fov.unwrap_or(DEFAULT_FOV), planet)
     }
 }
 

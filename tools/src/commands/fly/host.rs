@@ -53,7 +53,7 @@ impl CommandHost {
             name: what.map_or_else(|| planet.recipe.name.to_lowercase(), |what| what.display().to_string()),
             file: place.path().to_owned(),
             camera: camera.camera(&planet)?,
-            look: draw.look.look(&planet.recipe, camera.site(), Exposure::Auto),
+            look: draw.look.look(&planet.recipe, camera.site(&planet.recipe)?, Exposure::Auto),
             view: line,
         };
         view.iter().for_each(|line| check_planet(line, &planet));

@@ -6,7 +6,7 @@ mod settings;
 
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
-use super::paths::GivenPath;
+use super::paths::{self, GivenPath};
 use super::planets::FILE;
 use super::viewing::{report_messages, CameraOptions};
 use super::views::{given, HELP as HELP_VIEW, VALUE};
@@ -52,8 +52,8 @@ pub(crate) struct Fly {
     /// Most frames a second; as many as the screen shows unless told otherwise.
     #[arg(long, value_name = "FPS", value_parser = positive)]
     max_fps: Option<f64>,
-    /// Play a path first: a JSON file as `bench` takes it, or `descent`, `flyover`, `ground` or `plunge`.
-    #[arg(long, value_name = "PATH.json|NAME")]
+    /// Play a path first, as `terrane bench` takes it: a JSON file, or descent, coast, tour and others by name.
+    #[arg(long, value_name = paths::VALUE)]
     path: Option<PathBuf>,
     /// With `--path`: stand still at its end for five seconds, close the window, and write what every frame cost into this JSON file.
     #[arg(long, value_name = "OUT", requires = "path")]
