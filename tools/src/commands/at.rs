@@ -58,7 +58,7 @@ mod tests {
         assert_eq!(stance("coast").unwrap(), ([-38.95, 34.34, 1500.0], Some([310.0, -9.0])));
         assert_eq!(stance("Coast, 200").unwrap().0, [-38.95, 34.34, 200.0]);
         let unknown = stance("atlantis").unwrap_err().to_string();
-        assert!(unknown.contains("'atlantis' on Terra") && unknown.contains("Landing site, Coast"), "{unknown}");
+        assert!(unknown.contains("'atlantis' on Terra") && unknown.contains("Coast, Beach"), "{unknown}");
         for wrong in ["1,2", "coast,high", "", "7"] {
             assert!(at(wrong).is_err(), "{wrong}");
         }

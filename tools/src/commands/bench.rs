@@ -120,12 +120,13 @@ impl Run for Bench {
         let step = (last - first) / f64::from(self.frames - 1);
         let look = self.draw.look_along(&scene.planet().recipe, &path);
         for _ in 0..self.warmup {
-            self.measure(&mut scene, &mut headless, &look, &path.at(first), |view, _| view)?;
+            self.measure(&mut scene, &mut headless, &look.at(first), &path.at(first), |view, _| view)?;
         }
         let variants = if self.savings { &VARIANTS[..] } else { &VARIANTS[..1] };
         let (mut waypoints, mut costs) = (Vec::new(), vec![Vec::new(); variants.len()]);
         for frame in 0..self.frames {
             let waypoint = path.at(first + step * f64::from(frame));
+            let look = look.at(waypoint.time_s);
             for ((_, change), costs) in variants.iter().zip(&mut costs) {
                 costs.push(self.measure(&mut scene, &mut headless, &look, &waypoint, *change)?);
             }

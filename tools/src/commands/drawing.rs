@@ -7,7 +7,7 @@ use std::time::Duration;
 use terrane::frame::Look;
 use terrane::scene::{Scene, SceneError, SceneOptions, Scope};
 use terrane::vulkan::Context;
-use terrane_planet::draw::camera_path::CameraPath;
+use terrane_planet::draw::camera_path::{CameraPath, Carried};
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::planet::Planet;
@@ -66,9 +66,29 @@ impl DrawOptions {
         self.mesh.apply(View::new(camera, &planet.lattice, planet.cells, tolerance), planet)
     }
 
-    /// The look of a whole path: the sun stands still, as seen from where the path ends.
-    pub(crate) fn look_along(&self, recipe: &Recipe, path: &CameraPath) -> Look {
-        self.look.look(recipe, path.at(path.span().1).up, Exposure::Fixed(1.0))
+    /// The look of a whole path: the sun stands still, as seen from where the path ends. Along a path that leads so far from there that
+    /// the sun would set, it goes with the camera, if no date says where it is.
+    pub(crate) fn look_along(&self, recipe: &Recipe, path: &CameraPath) -> PathLook {
+        let look = self.look.look(recipe, path.at(path.span().1).up, Exposure::Fixed(1.0));
+        let goes = !self.look.has_date() && path.reach().to_degrees() > FAR;
+        PathLook { look, sun: goes.then(|| path.carry(look.sun)) }
+    }
+}
+
+/// Degrees over the ground from a path's end beyond which the sun goes with the camera.
+const FAR: f64 = 40.0;
+
+/// What frames along a path look like.
+pub(crate) struct PathLook {
+    look: Look,
+    /// Where the sun does not stand still.
+    sun: Option<Carried>,
+}
+
+impl PathLook {
+    /// At a time of the path.
+    pub(crate) fn at(&self, time_s: f64) -> Look {
+        Look { sun: self.sun.as_ref().map_or(self.look.sun, |sun| sun.at(time_s)), ..self.look }
     }
 }
 

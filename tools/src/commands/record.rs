@@ -101,7 +101,6 @@ impl Run for Record {
             self.check_notes(&self.out.join(NOTES), &route)?;
         }
         let look = self.draw.look_along(&scene.planet().recipe, &path);
-        scene.set_sun(look.sun);
         let mut studio = Studio::new(&context, size, self.still.options(PixelFormat::Eight))?;
         let report = Report::counting(&self.out.display().to_string(), "frames");
         let mut tally = Tally { frames: frames as usize, ..Tally::default() };
@@ -114,6 +113,8 @@ impl Run for Record {
                 tally.kept += 1;
             } else {
                 let waypoint = path.at(first + (number - 1) as f64 / self.fps);
+                let look = look.at(waypoint.time_s);
+                scene.set_sun(look.sun);
                 let planet = scene.planet();
                 let view = self.draw.view(planet.camera_on(&waypoint, size), planet, error);
                 let cut = scene.settle(&view)?;

@@ -460,6 +460,11 @@ fn exposure(text: &str) -> anyhow::Result<Exposure> {
 }
 
 impl LookOptions {
+    /// Whether a date says where the sun is.
+    pub(crate) fn has_date(&self) -> bool {
+        self.date.is_some()
+    }
+
     /// Takes from a view what was not given.
     pub(crate) fn take(&mut self, line: &ViewLine) {
         match line.daylight {

@@ -7,6 +7,7 @@
 //! continuous. Altitudes are interpolated by their logarithms, headings the short way. A path has either altitudes or heights: what
 //! should lie between the two only the ground in between could say.
 
+mod carried;
 mod curve;
 mod keyframe;
 mod leg;
@@ -17,6 +18,7 @@ mod spline;
 mod tests;
 mod waypoint;
 
+pub use carried::Carried;
 pub use keyframe::Keyframe;
 pub use route::{Pace, Route};
 pub use waypoint::Waypoint;

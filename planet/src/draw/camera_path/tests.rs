@@ -116,6 +116,25 @@ fn a_flight_over_the_pole_goes_straight_on() {
 }
 
 #[test]
+fn a_carried_direction_keeps_its_elevation_over_poles_and_round_the_planet() {
+    let keys = [
+        key(0.0, [-60.0, 0.0], 1e5, 0.0),
+        key(9.0, [60.0, 10.0], 1e5, 0.0),
+        key(20.0, [70.0, 180.0], 1e5, 0.0),
+        key(30.0, [-10.0, 170.0], 1e5, 0.0),
+    ];
+    let path = CameraPath::new(&keys).unwrap();
+    let end = path.at(30.0).up;
+    let sun = (end + leg::level(DVec3::Y, end)).normalize();
+    let carried = path.carry(sun);
+    assert!(carried.at(30.0).distance(sun) < 1e-12 && path.reach() > 1.5);
+    for k in 0..=3000 {
+        let time_s = f64::from(k) / 100.0;
+        assert!((carried.at(time_s).dot(path.at(time_s).up) - sun.dot(end)).abs() < 1e-3, "at {time_s} s");
+    }
+}
+
+#[test]
 fn headings_by_compass_would_spin_at_the_pole() {
     // The control of the test above: what the path has in place of compass headings is what keeps it from turning.
     let path = CameraPath::new(&[key(0.0, [80.0, 30.0], 1e5, 0.0), key(20.0, [82.0, -150.0], 1e5, 180.0)]).unwrap();

@@ -242,7 +242,7 @@ mod tests {
         let last = route.keyframes.last().unwrap();
         assert!((last.latitude - place.latitude_deg).abs() < 1e-9 && (last.longitude - place.longitude_deg).abs() < 1e-9);
         assert!((metres(last.stand) / place.altitude_m - 1.0).abs() < 1e-9);
-        assert_eq!((last.heading, last.pitch), (place.heading_deg, place.pitch_deg));
+        assert_eq!((last.heading, last.pitch), (short_way(place.heading_deg), place.pitch_deg));
     }
 
     #[test]

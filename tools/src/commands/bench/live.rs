@@ -59,6 +59,7 @@ impl Bench {
         let mut flight = LiveFlight::new(context, scene, headless, step);
         for number in 0..self.frames as usize + MOST_FRAMES_AT_END {
             let waypoint = path.at((first + step * number as f64).min(last));
+            let look = look.at(waypoint.time_s);
             let (frame, seen, cut) = flight.frame(planet.camera_on(&waypoint, self.size), &view, &look)?;
             host = host.max(flight.scene().host_bytes().0);
             let check = Instant::now();
