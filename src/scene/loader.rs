@@ -3,9 +3,9 @@
 use super::resident::{bytes_of_patch, ResidentMesh};
 use super::source::Source;
 use super::textures::{bytes_of_tile, Relief, TextureMips};
-use super::{SceneError, Scope};
+use super::SceneError;
 use std::collections::HashSet;
-use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, Sender};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
@@ -107,6 +107,8 @@ struct Shared {
     arrived: AtomicUsize,
     changed: Condvar,
     most_under_way: usize,
+    /// Whether frames go before what the workers do.
+    steps_back: AtomicBool,
 }
 
 /// The workers and their queue.
@@ -125,8 +127,13 @@ impl Loader {
         in_flight: usize,
         source: impl Fn() -> Result<Source, StoreError>,
     ) -> Result<Loader, StoreError> {
-        let shared =
-            Arc::new(Shared { queue: Mutex::default(), arrived: AtomicUsize::new(0), changed: Condvar::new(), most_under_way });
+        let shared = Arc::new(Shared {
+            queue: Mutex::default(),
+            arrived: AtomicUsize::new(0),
+            changed: Condvar::new(),
+            most_under_way,
+            steps_back: AtomicBool::new(false),
+        });
         let (sender, arrivals) = channel();
         let least = in_flight.max(LEAST_WORKERS);
         let count = std::thread::available_parallelism().map_or(least, usize::from).max(least);
@@ -136,6 +143,11 @@ impl Loader {
             workers.push(std::thread::spawn(move || worker.run()));
         }
         Ok(Loader { shared, arrivals, workers, most_under_way })
+    }
+
+    /// Lets frames go first from now on.
+    pub(super) fn step_back(&self) {
+        self.shared.steps_back.store(true, Ordering::Relaxed);
     }
 
     /// Replaces the requests (each with its urgency, smaller is more urgent).
@@ -258,10 +270,12 @@ struct Worker {
 
 impl Worker {
     fn run(self) {
-        if self.source.scope == Scope::Flight {
-            step_back();
-        }
+        let mut stepped_back = false;
         while let Some((id, request)) = self.shared.next() {
+            if !stepped_back && self.shared.steps_back.load(Ordering::Relaxed) {
+                step_back();
+                stepped_back = true;
+            }
             let response = match request {
                 Request::Explore(view) => self.source.explore(id, &view).map(|loaded| Response::Patch(Box::new(loaded))),
                 Request::Load(parts, view) => {

@@ -187,6 +187,9 @@ impl Scene {
         let textures = TexturePool::new(context, cells, slots)?;
         let around = Arc::new(KnownSurroundings::default());
         let loader = supply.loader(&planet, keeper.as_ref(), &around)?;
+        if options.scope == Scope::Flight {
+            loader.step_back();
+        }
         // The workers read the first patches while the clouds are made.
         let parts = Parts { mesh: true, texture: options.textures && line.is_none() };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(parts, None), 0.0)).collect());

@@ -158,6 +158,10 @@ impl Scene {
         let frame = self.frame;
         self.resident.extend(fresh.into_iter().map(|(id, patch)| (id, ResidentPatch { last_used: frame, ..patch })));
         (self.planet, self.tree) = (planet, tree);
+        if self.scope == Scope::Flight {
+            // Whoever edits waits for it; only now others go first again.
+            self.loader.step_back();
+        }
         self.edits.is_drawn(&self.supply, &self.planet);
     }
 }

@@ -19,6 +19,7 @@ use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::edits::finish;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::{Edit, Recipe, Shape};
+use terrane_planet::store::slow::Delay;
 use terrane_planet::store::PlanetFile;
 
 const SIZE: [u32; 2] = [160, 90];
@@ -143,6 +144,24 @@ fn an_edited_scene_shows_what_the_edited_file_shows_when_it_is_opened() {
         drop(scene);
         assert_eq!(check_file(&path), 1);
     }
+}
+
+#[test]
+fn a_file_at_the_end_of_a_line_is_edited_like_one_at_hand() {
+    let Some(context) = device() else { return };
+    let (planet, folder) = (tiny(), tempfile::tempdir().unwrap());
+    let path = file(folder.path(), &planet);
+    let delay = Some(Delay { latency: Duration::from_millis(5), bytes_per_second: 2e7 });
+    let at_hand = options(&planet, Scope::Flight, true);
+    let view = view_of(&planet)(camera(&planet, 1500.0));
+    let mut far = Scene::open(&context, &path, SceneOptions { delay, ..at_hand.clone() }).unwrap();
+    // Before anything but the first picture is there.
+    far.update(&view, 64).unwrap();
+    far.edit(EditRequest::Apply(crater())).unwrap();
+    let edited = settled(&context, &mut far, &view);
+    assert_eq!(far.planet().recipe.edits, [crater()]);
+    let mut anew = Scene::open(&context, &path, at_hand).unwrap();
+    assert_eq!(differences(&settled(&context, &mut anew, &view), &edited), (0, 0));
 }
 
 #[test]
