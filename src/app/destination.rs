@@ -1,6 +1,7 @@
 //! Where to go, as people write it: `46 8`, `46°30'N, 8°15'E`, `-38.95, 34.34, 1200 m`, or a view of one line.
 
 use terrane_planet::draw::view_line::{ViewLine, SCHEME};
+use terrane_planet::recipe::Place;
 
 /// Somewhere to go to.
 #[derive(Clone, Debug, PartialEq)]
@@ -16,14 +17,30 @@ pub(super) struct Site {
     pub(super) at: [f64; 2],
     /// Metres above ground or sea; what suits the viewer if none.
     pub(super) altitude_m: Option<f64>,
+    /// Heading and pitch in degrees; what suits the altitude if none.
+    pub(super) look: Option<[f64; 2]>,
 }
 
-/// What a text asks for.
+impl Site {
+    /// That of a place of a recipe.
+    pub(super) fn of_place(place: &Place) -> Site {
+        Site {
+            at: [place.latitude_deg, place.longitude_deg],
+            altitude_m: Some(place.altitude_m),
+            look: Some([place.heading_deg, place.pitch_deg]),
+        }
+    }
+}
+
+/// What a text asks for, on a planet with some places.
 ///
 /// # Errors
 /// What was found, and what was expected.
-pub(super) fn parse(text: &str) -> Result<Destination, String> {
+pub(super) fn parse(text: &str, places: &[Place]) -> Result<Destination, String> {
     let text = text.trim();
+    if let Some(place) = named(text, places) {
+        return Ok(Destination::Site(Site::of_place(place)));
+    }
     if text.starts_with(SCHEME) {
         return text.parse().map(Destination::View).map_err(|error| format!("{error}"));
     }
@@ -42,7 +59,17 @@ pub(super) fn parse(text: &str) -> Result<Destination, String> {
             "{latitude}, {longitude} is nowhere: expected -90 to 90 degrees north, and -360 to 360 degrees east"
         ));
     }
-    Ok(Destination::Site(Site { at: [latitude, longitude], altitude_m }))
+    Ok(Destination::Site(Site { at: [latitude, longitude], altitude_m, look: None }))
+}
+
+/// The only place whose name begins so, in small or capital letters.
+fn named<'a>(text: &str, places: &'a [Place]) -> Option<&'a Place> {
+    let text = text.to_lowercase();
+    let begins = |place: &&Place| place.name.to_lowercase().starts_with(&text);
+    let exact = |place: &&Place| place.name.to_lowercase() == text;
+    let mut meant = places.iter().filter(begins);
+    let first = meant.next().filter(|_| !text.is_empty());
+    places.iter().find(exact).or(first.filter(|_| meant.next().is_none()))
 }
 
 /// What is left of a text.
@@ -112,7 +139,7 @@ mod tests {
     use super::*;
 
     fn site(text: &str) -> Site {
-        match parse(text) {
+        match parse(text, &[]) {
             Ok(Destination::Site(site)) => site,
             other => panic!("{text}: {other:?}"),
         }
@@ -139,15 +166,33 @@ mod tests {
         assert_eq!(altitude("46N, 8E, 1.5 km"), Some(1500.0));
         assert_eq!(altitude("46 8"), None);
         let text = "terrane:1/at=46,8/height=4000/look=90,-10";
-        assert_eq!(parse(text), Ok(Destination::View(text.parse().unwrap())));
+        assert_eq!(parse(text, &[]), Ok(Destination::View(text.parse().unwrap())));
     }
 
     #[test]
     fn what_is_nowhere_is_refused_with_what_was_expected() {
         for text in ["", "46", "46 8 x", "46 8 12 13", "north", "46E 8N", "46 8 -5"] {
-            assert!(parse(text).unwrap_err().contains("expected latitude"), "{text}: {:?}", parse(text));
+            assert!(parse(text, &[]).unwrap_err().contains("expected latitude"), "{text}: {:?}", parse(text, &[]));
         }
-        assert!(parse("98 8").unwrap_err().contains("nowhere"));
-        assert!(parse("terrane:1/at=1,2").unwrap_err().contains("altitude"));
+        assert!(parse("98 8", &[]).unwrap_err().contains("nowhere"));
+        assert!(parse("terrane:1/at=1,2", &[]).unwrap_err().contains("altitude"));
+    }
+
+    #[test]
+    fn places_go_by_the_beginning_of_their_names_where_that_tells_them_apart() {
+        let place = |name: &str, latitude_deg| Place {
+            name: name.to_owned(),
+            latitude_deg,
+            longitude_deg: 8.0,
+            altitude_m: 900.0,
+            heading_deg: 10.0,
+            pitch_deg: -5.0,
+        };
+        let places = [place("North coast", 1.0), place("North", 2.0), place("Long bay", 3.0)];
+        let latitude = |text: &str| match parse(text, &places) {
+            Ok(Destination::Site(site)) => Some(site.at[0]),
+            _ => None,
+        };
+        assert_eq!(["north c", "NORTH", "long", "nor", ""].map(latitude), [Some(1.0), Some(2.0), Some(3.0), None, None]);
     }
 }

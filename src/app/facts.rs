@@ -4,12 +4,16 @@ use super::inspection::Inspected;
 use super::outlines::Line;
 use super::viewer::Manner;
 use crate::frame::PerStage;
+use crate::scene::EditStatus;
 use terrane_planet::draw::layout::EmitState;
+use terrane_planet::recipe::Place;
 
 /// Numbers of a frame.
 pub(super) struct Facts {
     /// Name of the planet.
     pub(super) planet: String,
+    /// Its radius in metres.
+    pub(super) radius_m: f64,
     /// Degrees north and east.
     pub(super) site: [f64; 2],
     /// Metres of the eye above the datum.
@@ -27,6 +31,10 @@ pub(super) struct Facts {
     pub(super) speed: f64,
     /// Whether there are places to go back to, and forward to.
     pub(super) places: [bool; 2],
+    /// Places of the recipe.
+    pub(super) named: Vec<Place>,
+    /// Whether a path is played.
+    pub(super) plays: bool,
     /// Whether the planet has air, a sea and clouds.
     pub(super) has: [bool; 3],
     /// Counters of a frame that is done.
@@ -52,6 +60,8 @@ pub(super) struct Facts {
     pub(super) device: String,
     /// Whether the selection is frozen.
     pub(super) frozen: bool,
+    /// How far the latest edit of the ground is.
+    pub(super) edits: EditStatus,
     /// What was picked.
     pub(super) picked: Option<Inspected>,
     /// Lines over the picture.

@@ -77,6 +77,8 @@ pub(super) struct Flight {
     pub(super) copied: Vec<String>,
     /// Where the window began.
     pub(super) home: Pose,
+    /// Where the cursor was when the button of the tool went down.
+    pub(super) put_down: Option<[f64; 2]>,
     /// The direction of what was picked.
     pub(super) picked: Option<DVec3>,
     /// What the selection was frozen with.
@@ -96,7 +98,7 @@ pub(super) struct Flight {
     uploads: usize,
     pacing: Pacing,
     ledger: Ledger,
-    playback: Option<Playback>,
+    pub(super) playback: Option<Playback>,
     /// Whether every frame gets a row in the report.
     reports: bool,
     density: f64,
@@ -147,6 +149,7 @@ impl Flight {
             asked: Asked::default(),
             copied: Vec::new(),
             home: Pose::of_camera(&options.camera),
+            put_down: None,
             picked: None,
             frozen: None,
             options: options.scene.clone(),
@@ -440,6 +443,7 @@ impl Flight {
         }
         Facts {
             planet: recipe.name.clone(),
+            radius_m: recipe.radius,
             site: [latitude, longitude],
             height_m: pose.position.length() - recipe.radius,
             altitude_m: self.viewer.altitude(&self.surface()),
@@ -449,6 +453,8 @@ impl Flight {
             manner: self.viewer.manner(),
             speed: self.viewer.speed(),
             places: self.viewer.history.has(),
+            named: recipe.places.clone(),
+            plays: self.playback.is_some(),
             has: [recipe.atmosphere.is_some(), recipe.sea.is_some(), recipe.clouds.is_some()],
             counters: self.counters,
             prefix_vertices: self.tables.as_ref().map_or(0, |tables| tables.vertices),
@@ -462,6 +468,7 @@ impl Flight {
             density: self.density,
             device: self.context.device_info().name.clone(),
             frozen: self.selection != Selection::Follows,
+            edits: self.scene.edits(),
             picked: self.inspected(),
             lines: self.lines(),
         }
@@ -481,6 +488,13 @@ impl Flight {
             let ancestors = std::iter::successors(picked.patch.parent(), |id| id.parent());
             ancestors.for_each(|id| outlines.add_patch(id, Color32::from_gray(130), 1.0));
             outlines.add_patch(picked.patch, Color32::WHITE, 2.0);
+        }
+        let tool = &self.panel.tool;
+        if let Some(site) = self.viewer.site_under_cursor(&self.surface()).filter(|_| tool.held) {
+            outlines.add_circle(site, tool.radius_m, Color32::from_rgb(255, 170, 60));
+        }
+        if let (None, Ok(path)) = (&self.playback, self.panel.board.path(self.scene.planet().recipe.radius)) {
+            outlines.add_path(&path);
         }
         outlines.lines
     }

@@ -3,6 +3,7 @@
 use crate::frame::Look;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
+use terrane_planet::draw::camera_path::Route;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::draw::view_line::ViewLine;
 
@@ -107,6 +108,31 @@ pub trait Host {
     /// # Errors
     /// Why it cannot be forgotten.
     fn remove_bookmark(&mut self, name: &str) -> Result<(), String>;
+
+    /// Saves a camera path under a name, as JSON. Returns what to tell the user.
+    ///
+    /// # Errors
+    /// Why it was not saved.
+    fn save_path(&mut self, name: &str, route: &Route) -> Result<String, String>;
+
+    /// Reads a camera path that has a name.
+    ///
+    /// # Errors
+    /// Why it cannot be read.
+    fn load_path(&mut self, name: &str) -> Result<Route, String>;
+
+    /// Begins to film a camera path over a planet file, as a view looks. Returns what to tell the user now; what becomes of it is
+    /// [`Host::news`].
+    ///
+    /// # Errors
+    /// Why it cannot begin.
+    fn film(&mut self, name: &str, route: &Route, view: &ViewLine) -> Result<String, String>;
+
+    /// Whether something is under way that there will be news of.
+    fn expects_news(&self) -> bool;
+
+    /// What happened meanwhile that the user is to be told.
+    fn news(&mut self) -> Option<String>;
 
     /// Names of planets that can always be opened.
     fn planets(&self) -> Vec<String>;

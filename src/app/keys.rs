@@ -52,6 +52,14 @@ pub(super) enum Command {
     Freeze,
     /// Pick what is under the cursor, or no longer.
     Inspect,
+    /// Add a keyframe to the path where the viewer is; play the path, or stop.
+    AddKeyframe,
+    Play,
+    /// Take the tool that changes the ground in hand, or put it away.
+    Tool,
+    /// Without the last edit of the ground, or with the one undone last.
+    Undo,
+    Redo,
     /// Save a picture; with the interface in it, if `true`.
     Screenshot(bool),
     /// Fill the screen, or no longer.
@@ -86,7 +94,7 @@ const fn action<T>(name: &'static str, keys: &'static [&'static str], words: &'s
     Action { name, keys, words, does }
 }
 
-const COMMANDS: [Action<Command>; 33] = [
+const COMMANDS: [Action<Command>; 38] = [
     action("help", &["F1"], "show or hide this list", Command::Help),
     action("panel", &["F2"], "show or hide the panel", Command::Panel),
     action("hide", &["F3"], "show or hide everything but the picture", Command::Hide),
@@ -115,6 +123,11 @@ const COMMANDS: [Action<Command>; 33] = [
     action("geomorphs", &["T"], "geomorphs on and off", Command::Geomorphs),
     action("freeze", &["Z"], "freeze the selection, to look at it from elsewhere", Command::Freeze),
     action("inspect", &["I"], "pick what is under the cursor: its patch and what is known of it", Command::Inspect),
+    action("add_keyframe", &["R"], "add a keyframe to the path, where the viewer is", Command::AddKeyframe),
+    action("play", &["Enter"], "play the path, or stop", Command::Play),
+    action("tool", &["X"], "take the tool in hand that changes the ground with a click, or put it away", Command::Tool),
+    action("undo", &["Ctrl+Z"], "undo the last change of the ground", Command::Undo),
+    action("redo", &["Ctrl+Y", "Ctrl+Shift+Z"], "do it again", Command::Redo),
     action("sun_earlier", &["BracketLeft"], "move the sun back", Command::Sun(-1.0)),
     action("sun_later", &["BracketRight"], "move the sun on", Command::Sun(1.0)),
     action("zoom_in", &["+", "="], "orbit: come nearer", Command::Zoom(1.0)),

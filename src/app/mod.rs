@@ -6,6 +6,7 @@
 mod choices;
 mod chord;
 mod destination;
+mod earthwork;
 mod facts;
 mod flight;
 mod fly_camera;
@@ -24,6 +25,7 @@ mod panel;
 mod playback;
 mod pose;
 mod screenshots;
+mod storyboard;
 mod surface;
 mod view_line;
 mod viewer;
@@ -40,7 +42,7 @@ use crate::vulkan::{ContextOptions, ValidationMessage, VulkanError};
 use flight::Flight;
 use keys::Command;
 use pacing::Due;
-use panel::Asked;
+use panel::{Asked, PathWish};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -59,6 +61,8 @@ use winit::window::{Window, WindowId};
 
 /// How long to wait before another try when a window has nothing to draw to.
 const RETRY: Duration = Duration::from_millis(30);
+/// How often to ask the host for news that it expects.
+const LOOK_FOR_NEWS: Duration = Duration::from_millis(500);
 /// Pixels of smooth scrolling that make one notch of a wheel.
 const PIXELS_PER_NOTCH: f64 = 40.0;
 
@@ -221,6 +225,26 @@ impl App {
             flight.panel.say(said);
             flight.panel.set_bookmarks(host.bookmarks());
         }
+        if let Some(wish) = &asked.path {
+            flight.follow_path_wish(wish);
+            let radius = flight.scene.planet().recipe.radius;
+            let whole = |flight: &Flight| flight.panel.board.path(radius).map(drop).map_err(|error| error.to_string());
+            let said = match wish {
+                PathWish::Save(name) => whole(flight).and_then(|()| host.save_path(name, &flight.panel.board.route())),
+                PathWish::Load(name) => host.load_path(name).map(|route| {
+                    flight.panel.board.take(route);
+                    format!("{name} is the path now")
+                }),
+                PathWish::Film(name) => {
+                    whole(flight).and_then(|()| host.film(name, &flight.panel.board.route(), &flight.film_view()))
+                }
+                PathWish::Take(_) | PathWish::Visit(_) => Ok(String::new()),
+            };
+            let said = said.unwrap_or_else(|problem| problem);
+            if !said.is_empty() {
+                flight.panel.say(said);
+            }
+        }
         if asked.reset {
             flight.reset();
             flight.panel.say("all settings are as they are at first".to_owned());
@@ -275,6 +299,9 @@ impl App {
 
     fn mouse(&mut self, event: &WindowEvent) {
         let Some(flight) = &mut self.flight else { return };
+        if let WindowEvent::MouseInput { state, button: MouseButton::Left, .. } = event {
+            flight.work_ground(*state == ElementState::Pressed);
+        }
         let (now, surface) = (Instant::now(), &DrawnSurface::of_scene(&flight.scene, flight.choices.look.sea));
         match event {
             WindowEvent::CursorMoved { position, .. } => flight.viewer.point([position.x, position.y], now, surface),
@@ -355,8 +382,12 @@ impl ApplicationHandler for App {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        let Some(flight) = &self.flight else { return };
+        let Some(flight) = &mut self.flight else { return };
         let now = Instant::now();
+        if let Some(news) = self.options.host.news() {
+            flight.panel.say(news);
+            flight.touch_interface();
+        }
         if flight.closes().is_some_and(|at| at <= now) {
             return events.exit();
         }
@@ -369,7 +400,8 @@ impl ApplicationHandler for App {
         if due == Due::Now {
             flight.window.request_redraw();
         }
-        let wake = [if let Due::At(at) = due { Some(at) } else { None }, flight.closes()].into_iter().flatten().min();
+        let news = self.options.host.expects_news().then(|| now + LOOK_FOR_NEWS);
+        let wake = [if let Due::At(at) = due { Some(at) } else { None }, flight.closes(), news].into_iter().flatten().min();
         events.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }
 

@@ -2,15 +2,20 @@
 
 use super::choices::Choices;
 use super::destination::Site;
+use super::earthwork::STILL;
 use super::flight::{Flight, Screenshot, Selection, USUAL_TOLERANCE};
 use super::host::Settings;
 use super::keys::{next_mode, Command};
 use super::orbit_camera::resting_pitch;
-use super::panel::Asked;
+use super::panel::{Asked, PathWish};
+use super::playback::Playback;
 use super::pose::Pose;
+use super::storyboard::Revision;
 use super::surface::{DrawnSurface, Surface};
-use crate::frame::{sun_over, Look};
+use crate::frame::{sun_over, sun_seen_from, Look};
+use crate::scene::EditRequest;
 use glam::DQuat;
+use terrane_planet::draw::camera_path::{Keyframe, Waypoint};
 use terrane_planet::draw::layout::Mode;
 use terrane_planet::draw::view::{local_frame, Camera};
 use terrane_planet::draw::view_line::{Daylight, Exposure, Stand, ViewLine};
@@ -62,6 +67,19 @@ impl Flight {
             Command::Screenshot(of_window) => {
                 self.screenshot = Some(if of_window { Screenshot::Window } else { Screenshot::Picture });
             }
+            Command::AddKeyframe => self.revise(Revision::Add),
+            Command::Play => self.play(),
+            Command::Tool => {
+                self.panel.tool.held = !self.panel.tool.held;
+                let said = if self.panel.tool.held {
+                    "a click changes the ground: radius and depth are in the panel"
+                } else {
+                    "the tool is put away"
+                };
+                self.panel.say(said.to_owned());
+            }
+            Command::Undo => self.edit(EditRequest::Undo),
+            Command::Redo => self.edit(EditRequest::Redo),
             Command::Inspect if self.picked.is_some() => self.picked = None,
             Command::Inspect => {
                 self.picked = self.viewer.site_under_cursor(surface);
@@ -76,6 +94,97 @@ impl Flight {
             Command::Clouds => look.clouds = !look.clouds,
             Command::Sun(steps) => look.sun = DQuat::from_rotation_z(-SUN_STEP * steps) * look.sun,
             Command::Zoom(notches) => self.viewer.wheel(notches),
+        }
+        self.touch();
+    }
+
+    /// The left button went down, or up. A click with the tool in hand changes the ground.
+    pub(super) fn work_ground(&mut self, down: bool) {
+        if down {
+            self.put_down = self.panel.tool.held.then_some(self.viewer.cursor());
+            return;
+        }
+        let [x, y] = self.viewer.cursor();
+        if self.put_down.take().is_none_or(|[u, v]| (x - u).hypot(y - v) > STILL) {
+            return;
+        }
+        self.viewer.forget_click();
+        let Some(site) = self.viewer.site_under_cursor(&self.surface()) else { return };
+        let request = self.panel.tool.request(self.scene.planet(), site);
+        self.edit(request);
+    }
+
+    /// Changes the keyframes of the path.
+    fn revise(&mut self, revision: Revision) {
+        let here = self.keyframe();
+        self.panel.board.revise(revision, here);
+        if revision == Revision::Add {
+            let count = self.panel.board.keyframes().len();
+            let play = self.viewer.keys.of_command(Command::Play);
+            self.panel.say(if count < 2 {
+                format!("{count} keyframe: move on, and add another")
+            } else {
+                format!("{count} keyframes: {play} plays them")
+            });
+        }
+    }
+
+    /// Where the viewer is, as a keyframe.
+    fn keyframe(&self) -> Keyframe {
+        let pose = &self.viewer.pose;
+        let stand = if self.panel.is_level() {
+            Stand::Height(pose.position.length() - self.scene.planet().recipe.radius)
+        } else {
+            Stand::Altitude(self.viewer.altitude(&self.surface()))
+        };
+        let (up, fov) = (pose.up(), self.viewer.lens.fov.to_degrees());
+        Waypoint { time_s: 0.0, up, stand, ahead: pose.ahead, pitch: pose.pitch.to_degrees(), fov }.keyframe()
+    }
+
+    /// Plays the path, or stops.
+    fn play(&mut self) {
+        if self.playback.take().is_some() {
+            return;
+        }
+        match self.panel.board.path(self.scene.planet().recipe.radius) {
+            Ok(path) => self.playback = Some(Playback::new(path, None)),
+            Err(error) => {
+                let add = self.viewer.keys.of_command(Command::AddKeyframe);
+                self.panel.say(format!("no path to play: {error}; {add} adds a keyframe"));
+            }
+        }
+    }
+
+    /// Does what is asked for with the path, other than what the host does.
+    pub(super) fn follow_path_wish(&mut self, wish: &PathWish) {
+        let surface = &DrawnSurface::of_scene(&self.scene, self.choices.look.sea);
+        match wish {
+            PathWish::Take(journey) => self.panel.board.take(self.scene.planet().journey(*journey)),
+            PathWish::Visit(at) => {
+                let Some(keyframe) = self.panel.board.keyframes().get(*at) else { return };
+                let camera = self.scene.planet().camera_at(keyframe, self.viewer.lens.size);
+                self.viewer.lens.fov = camera.fov;
+                self.viewer.fly_to(Pose::of_camera(&camera), surface);
+            }
+            PathWish::Save(_) | PathWish::Load(_) | PathWish::Film(_) => {}
+        }
+        self.touch();
+    }
+
+    /// The view of a film: with the sun where it stands as seen from the path's end, as `record` takes it.
+    pub(super) fn film_view(&self) -> ViewLine {
+        let mut view = self.view_line();
+        if let Some(last) = self.panel.board.keyframes().last() {
+            (view.at, view.stand) = ([last.latitude, last.longitude], last.stand);
+            let sun = sun_seen_from(direction_at(last.latitude, last.longitude), self.choices.look.sun);
+            view.daylight = Some(Daylight::Over(sun));
+        }
+        view
+    }
+
+    fn edit(&mut self, request: EditRequest) {
+        if let Err(error) = self.scene.edit(request) {
+            self.panel.say(error.to_string());
         }
         self.touch();
     }
@@ -95,6 +204,9 @@ impl Flight {
             self.viewer.lens.fov = degrees.to_radians();
             self.touch();
         }
+        for revision in asked.revisions.drain(..) {
+            self.revise(revision);
+        }
         if let Some(view) = asked.view.take() {
             self.show_view(&view);
         }
@@ -107,7 +219,11 @@ impl Flight {
         let usual = || self.viewer.altitude(&self.surface()).min(ARRIVAL * radius);
         let height = planet.surface_height(direction) + site.altitude_m.unwrap_or_else(usual);
         let position = direction * (radius + height);
-        self.fly_to(Pose::new(position, local_frame(position).y_axis, resting_pitch(height, radius)));
+        let lens = self.viewer.lens;
+        self.fly_to(match site.look {
+            Some([heading, pitch]) => Pose::of_camera(&Camera::looking(position, heading, pitch, lens.fov, lens.size)),
+            None => Pose::new(position, local_frame(position).y_axis, resting_pitch(height, radius)),
+        });
     }
 
     fn fly_to(&mut self, pose: Pose) {

@@ -5,12 +5,15 @@
 use crate::scene::Scene;
 use egui::Color32;
 use glam::DVec3;
+use terrane_planet::draw::camera_path::CameraPath;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::direction;
 
 /// Parts that a patch's side is drawn in; a power of two.
 const PARTS: u32 = 8;
+/// Parts that a camera path is drawn in.
+const PATH_PARTS: u32 = 400;
 /// Most patches whose borders are drawn.
 const MOST_PATCHES: usize = 1500;
 /// How far a frustum's edges reach that meet no ground, in distances from its camera to the planet's centre.
@@ -104,6 +107,29 @@ impl<'a> Outlines<'a> {
             })
             .collect();
         self.add_seen(&points, color, 2.0);
+    }
+
+    /// A camera path.
+    pub(super) fn add_path(&mut self, path: &CameraPath) {
+        let (begin, end) = path.span();
+        let planet = self.scene.planet();
+        let points: Vec<Option<[f32; 2]>> = (0..=PATH_PARTS)
+            .map(|k| {
+                let waypoint = path.at(begin + (end - begin) * f64::from(k) / f64::from(PATH_PARTS));
+                let point = planet.position_of(waypoint.up, waypoint.stand);
+                project(&self.camera, point).filter(|_| !self.is_behind_planet(point))
+            })
+            .collect();
+        self.add_seen(&points, Color32::from_rgb(140, 255, 160), 2.0);
+    }
+
+    /// Whether the planet, as a ball, hides a point that may be high above it.
+    fn is_behind_planet(&self, point: DVec3) -> bool {
+        let (from, ray) = (self.camera.position, (point - self.camera.position).normalize());
+        let nearest = -from.dot(ray);
+        let passes =
+            (from + ray * nearest).length() > self.scene.planet().recipe.radius + self.scene.planet().terrain.height_range().0;
+        !passes && nearest > 0.0 && nearest < point.distance(from)
     }
 
     fn on_ground(&self, direction: DVec3) -> Option<[f32; 2]> {

@@ -130,6 +130,16 @@ impl Viewer {
         self.rest();
     }
 
+    /// Where the cursor is, in pixels.
+    pub(super) fn cursor(&self) -> [f64; 2] {
+        self.cursor
+    }
+
+    /// Lets the latest click be no part of a double click.
+    pub(super) fn forget_click(&mut self) {
+        self.pressed = None;
+    }
+
     /// The ground or sea under the cursor, as a unit direction from the planet's centre. None where there is none.
     pub(super) fn site_under_cursor(&self, surface: &dyn Surface) -> Option<DVec3> {
         surface.meet(self.pose.position, self.pose.ray(&self.lens, self.cursor)).map(DVec3::normalize)

@@ -4,11 +4,13 @@
 //! In: facts, and the choices so far. Out: the choices as changed, and what was asked for.
 
 mod frames;
+mod ground;
 mod help;
 mod inspected;
 mod light;
 mod mesh;
 mod numbers;
+mod paths;
 mod planets;
 mod position;
 mod status;
@@ -16,11 +18,15 @@ mod views;
 
 use super::choices::Choices;
 use super::destination::{self, Destination, Site};
+use super::earthwork::Tool;
 use super::facts::Facts;
 use super::host::Bookmark;
 use super::keys::{Command, Keys};
+use super::storyboard::{Revision, Storyboard};
 use egui::{Align2, Area, Context, Id, Key, ScrollArea, TextEdit, Window};
 use frames::FrameTimes;
+use paths::PathForm;
+pub(super) use paths::PathWish;
 use status::Status;
 use std::time::{Duration, Instant};
 use terrane_planet::draw::view_line::ViewLine;
@@ -46,6 +52,9 @@ pub(super) struct Asked {
     pub(super) forget: Option<String>,
     /// A planet, a picture or a view to open.
     pub(super) open: Option<String>,
+    /// What is to be done to the keyframes of the path, and to the path.
+    pub(super) revisions: Vec<Revision>,
+    pub(super) path: Option<PathWish>,
     /// Whether settings are to be as they are at first.
     pub(super) reset: bool,
 }
@@ -63,6 +72,11 @@ pub(super) struct Panel {
     message: Option<(String, Instant)>,
     times: FrameTimes,
     status: Status,
+    /// The tool that changes the ground.
+    pub(super) tool: Tool,
+    /// The path that is worked on.
+    pub(super) board: Storyboard,
+    form: PathForm,
     shelf: Vec<Shelved>,
     /// What is typed as the name of a view, and as a planet to open.
     name: String,
@@ -82,6 +96,9 @@ impl Panel {
             message: None,
             times: FrameTimes::default(),
             status: Status::default(),
+            tool: Tool::default(),
+            board: Storyboard::default(),
+            form: PathForm::default(),
             shelf: Vec::new(),
             name: String::new(),
             opening: String::new(),
@@ -93,6 +110,11 @@ impl Panel {
     /// The views that the user remembers, from now on.
     pub(super) fn set_bookmarks(&mut self, bookmarks: Vec<Bookmark>) {
         self.shelf = bookmarks.into_iter().map(Shelved::new).collect();
+    }
+
+    /// Whether keyframes are to stand at heights above the datum.
+    pub(super) fn is_level(&self) -> bool {
+        self.form.level
     }
 
     /// The name that was typed for a view, or one that tells where it is.
@@ -148,7 +170,7 @@ impl Panel {
             if self.open {
                 self.show_panel(ctx, facts, choices, asked);
             }
-            self.show_going(ctx, asked);
+            self.show_going(ctx, facts, asked);
             if self.help {
                 help::show(ctx, keys, &mut self.help);
             }
@@ -171,6 +193,8 @@ impl Panel {
                 frames::show(ui, facts, &self.times);
                 light::show(ui, facts, choices, asked);
                 mesh::show(ui, facts, choices, asked);
+                paths::show(ui, facts, &mut self.board, &mut self.form, asked);
+                ground::show(ui, facts, &mut self.tool, asked);
                 views::show(ui, &mut self.shelf, &mut self.name, asked);
                 planets::show(ui, &self.planets, &self.recent, &mut self.opening, asked);
             });
@@ -178,7 +202,7 @@ impl Panel {
     }
 
     /// The line to type a place into.
-    fn show_going(&mut self, ctx: &Context, asked: &mut Asked) {
+    fn show_going(&mut self, ctx: &Context, facts: &Facts, asked: &mut Asked) {
         let Some((text, problem)) = &mut self.going else { return };
         let mut done = false;
         let window = Window::new("Go to").anchor(Align2::CENTER_TOP, [0.0, 60.0]).resizable(false).collapsible(false);
@@ -186,7 +210,7 @@ impl Panel {
             let edit = TextEdit::singleline(text).hint_text("46 8, or 46°30'N 8°E 1200 m, or terrane:…").desired_width(340.0);
             let field = ui.add(edit);
             if field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter)) {
-                match destination::parse(text) {
+                match destination::parse(text, &facts.named) {
                     Ok(Destination::View(view)) => (asked.view, done) = (Some(view), true),
                     Ok(Destination::Site(site)) => (asked.destination, done) = (Some(site), true),
                     Err(found) => *problem = found,
@@ -194,8 +218,15 @@ impl Panel {
             }
             done |= ui.input(|input| input.key_pressed(Key::Escape));
             field.request_focus();
+            ui.set_max_width(340.0);
+            ui.horizontal_wrapped(|ui| {
+                for place in &facts.named {
+                    if ui.link(&place.name).clicked() {
+                        (asked.destination, done) = (Some(Site::of_place(place)), true);
+                    }
+                }
+            });
             if !problem.is_empty() {
-                ui.set_max_width(340.0);
                 ui.colored_label(ui.visuals().warn_fg_color, problem.as_str());
             }
         });

@@ -48,7 +48,7 @@ impl Shelf {
 }
 
 /// A name that every file system takes and that leads nowhere else.
-fn file_name(name: &str) -> String {
+pub(super) fn file_name(name: &str) -> String {
     let kept = |c: char| if c.is_control() || "/\\:*?\"<>|".contains(c) { '_' } else { c };
     let name: String = name.chars().map(kept).take(LONGEST_NAME).collect();
     name.trim_matches(|c: char| c == '.' || c.is_whitespace()).to_owned()

@@ -1,15 +1,17 @@
 //! What the window asks of the command: pictures as files, the clipboard, remembered views, other planets, settings.
 
 use super::super::drawing::DrawOptions;
-use super::super::pictures;
+use super::super::pictures::{self, write_whole};
 use super::super::planets::{planet_file, PlanetPlace};
 use super::super::viewing::{CameraOptions, Exposure};
 use super::super::views::{check_planet, given, note_planet};
-use super::bookmarks::Shelf;
+use super::bookmarks::{file_name, Shelf};
+use super::filming::Filming;
 use super::settings;
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use terrane::app::{Bookmark, Host, Opened, Picture, Settings};
+use terrane_planet::draw::camera_path::{CameraPath, Route};
 use terrane_planet::draw::view_line::{ViewLine, SCHEME};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::shipped;
@@ -25,6 +27,7 @@ pub(super) struct CommandHost {
     /// The files of all planets that were open: a folder of their own goes with them.
     pub(super) places: Vec<PlanetPlace>,
     pub(super) shelf: Option<Shelf>,
+    pub(super) filming: Option<Filming>,
     /// Opened when it is first wanted. It keeps what it was given until the window is closed, or a clipboard manager beyond that.
     pub(super) clipboard: Option<arboard::Clipboard>,
 }
@@ -35,6 +38,11 @@ impl CommandHost {
             self.clipboard = arboard::Clipboard::new().inspect_err(|error| tracing::info!(%error, "no clipboard")).ok();
         }
         self.clipboard.as_mut()
+    }
+
+    /// Where a path of a name is saved: beside the pictures.
+    fn path_file(&self, name: &str) -> PathBuf {
+        self.screenshots.join(format!("{}.json", file_name(name)))
     }
 
     /// Finds a planet, and where to begin over it: as a view says, or as the command does.
@@ -92,6 +100,42 @@ impl Host for CommandHost {
     fn remove_bookmark(&mut self, name: &str) -> Result<(), String> {
         let shelf = self.shelf.as_ref().ok_or("there is no home folder")?;
         shelf.remove(name).map_err(|error| format!("not forgotten: {error:#}"))
+    }
+
+    fn save_path(&mut self, name: &str, route: &Route) -> Result<String, String> {
+        let path = self.path_file(name);
+        write_whole(&path, route.to_json().as_bytes()).map_err(|error| format!("not saved: {error:#}"))?;
+        Ok(format!("saved {}", path.display()))
+    }
+
+    fn load_path(&mut self, name: &str) -> Result<Route, String> {
+        let path = self.path_file(name);
+        let text = std::fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
+        let route = Route::from_json(&text).map_err(|error| format!("{}: {error}", path.display()))?;
+        CameraPath::new(&route.keyframes).map_err(|error| format!("{}: {error}", path.display()))?;
+        Ok(route)
+    }
+
+    fn film(&mut self, name: &str, route: &Route, view: &ViewLine) -> Result<String, String> {
+        if self.filming.is_some() {
+            return Err("a film is being drawn already: wait for it".to_owned());
+        }
+        self.save_path(name, route)?;
+        let planet = self.places.last().ok_or("no planet is open")?.path();
+        let film = Filming::begin(planet, &self.path_file(name), view).map_err(|error| format!("no film: {error:#}"))?;
+        let said = format!("{} is being drawn: it is said here when it is done", film.out.display());
+        self.filming = Some(film);
+        Ok(said)
+    }
+
+    fn expects_news(&self) -> bool {
+        self.filming.is_some()
+    }
+
+    fn news(&mut self) -> Option<String> {
+        let said = self.filming.as_mut()?.news()?;
+        self.filming = None;
+        Some(said)
     }
 
     fn planets(&self) -> Vec<String> {

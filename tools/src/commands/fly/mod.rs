@@ -1,6 +1,7 @@
 //! `terrane fly`: the planet in a window.
 
 mod bookmarks;
+mod filming;
 mod host;
 mod settings;
 
@@ -105,6 +106,7 @@ impl Run for Fly {
             camera: self.camera.clone(),
             places: Vec::new(),
             shelf: Shelf::of_user(),
+            filming: None,
             clipboard: None,
         };
         let path = self.path.as_deref().map(GivenPath::read).transpose()?;

@@ -1,0 +1,47 @@
+//! A film that is drawn beside the window, by a `terrane record` of its own. In: a planet file, a path and a view. Out: an mp4, or a folder of
+//! pictures where ffmpeg is missing; and a word when it is done.
+
+use anyhow::Context as _;
+use std::fs::File;
+use std::io::{Read as _, Seek as _};
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Stdio};
+use terrane_planet::draw::view_line::ViewLine;
+
+/// Size of films, in pixels: what most players show whole.
+const SIZE: &str = "1280x720";
+
+/// A film that is being drawn. It goes on when the window is closed.
+pub(super) struct Filming {
+    /// The film.
+    pub(super) out: PathBuf,
+    process: Child,
+    /// What it says of what goes wrong.
+    words: File,
+}
+
+impl Filming {
+    /// Begins to draw the path of a file.
+    pub(super) fn begin(planet: &Path, path: &Path, view: &ViewLine) -> anyhow::Result<Filming> {
+        let has_ffmpeg = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
+        let out = if has_ffmpeg { path.with_extension("mp4") } else { path.with_extension("frames") };
+        let view = ViewLine { size: None, time: None, ..view.clone() };
+        let mut record = Command::new(std::env::current_exe().context("cannot find this program")?);
+        record.arg("record").arg(planet).arg("--path").arg(path).arg("--out").arg(&out);
+        record.args(["--size", SIZE, "--view", &view.to_string()]);
+        let words = tempfile::tempfile().context("cannot make a temporary file")?;
+        let process = record.stdin(Stdio::null()).stdout(Stdio::null()).stderr(words.try_clone()?).spawn();
+        Ok(Filming { out, process: process.context("cannot start terrane record")?, words })
+    }
+
+    /// What became of it, once it is done.
+    pub(super) fn news(&mut self) -> Option<String> {
+        let status = self.process.try_wait().ok()??;
+        if status.success() {
+            return Some(format!("the film is done: {}", self.out.display()));
+        }
+        let mut said = String::new();
+        let _ = self.words.rewind().and_then(|()| self.words.read_to_string(&mut said));
+        Some(format!("no film: {}", said.lines().last().unwrap_or("terrane record failed")))
+    }
+}
