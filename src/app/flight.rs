@@ -20,7 +20,7 @@ use crate::vulkan::{vk, Access, Commands, Context, Frame, GpuKind, Image, ImageD
 use egui::Color32;
 use glam::DVec3;
 use std::sync::Arc;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 use terrane_planet::draw::layout::{EmitState, Mode, Tone};
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::draw::view_line::ViewLine;
@@ -30,6 +30,10 @@ use winit::window::Window;
 
 /// Longest time in seconds that one frame moves the viewer on by, however long it took.
 const LONGEST_FRAME: f64 = 0.25;
+/// Seconds of a frame that would take in as many patches as are taken in at a time without one.
+const TAKEN_IN: f64 = 0.05;
+/// How often what is being built is said anew while no picture is drawn.
+const PROGRESS: Duration = Duration::from_millis(200);
 /// Seconds in which exposure goes most of the way to its goal.
 const ADAPTATION_SECONDS: f64 = 0.6;
 /// Milliseconds that a moving frame may take on a software renderer unless told otherwise: ten frames a second, and some room.
@@ -96,6 +100,10 @@ pub(super) struct Flight {
     tables: Option<FrameTables>,
     /// Patches that this frame may take in.
     uploads: usize,
+    /// Whether the latest frame put the interface over the picture before.
+    reused: bool,
+    /// Whether some were taken in that no picture shows yet.
+    taken_in: bool,
     pacing: Pacing,
     ledger: Ledger,
     pub(super) playback: Option<Playback>,
@@ -160,9 +168,14 @@ impl Flight {
             line: options.view.clone(),
             tables: None,
             uploads: uploads_within(0.0),
-            pacing: Pacing::new(scale, most_fps),
+            reused: false,
+            taken_in: false,
+            pacing: Pacing::new(scale, most_fps, software),
             ledger: Ledger::default(),
-            playback: options.path.clone().map(|path| Playback::new(path, options.stand)),
+            playback: options
+                .path
+                .clone()
+                .map(|path| Playback::new(path, options.stand).lit(options.camera.position.normalize(), options.look.sun)),
             reports: options.stand.is_some(),
             density: 1.0,
             latest_pose: None,
@@ -210,11 +223,27 @@ impl Flight {
         let follows = self.selection == Selection::Follows;
         Motives {
             moving: self.viewer.is_moving() || plays || self.has_waves() || self.latest_pose != Some(self.viewer.pose),
-            arrived: follows && self.scene.has_arrived(),
+            arrived: follows && (self.scene.has_arrived() || self.taken_in),
             pending: follows && self.scene.pending() > 0,
             metered: self.choices.look.metering.is_some(),
             until: [self.panel.vanishes(), self.interface.repaint()].into_iter().flatten().min(),
         }
+    }
+
+    /// Takes in what has arrived without drawing it: on a software renderer a picture takes the time of many patches, and each tells which
+    /// are wanted next.
+    pub(super) fn take_in(&mut self, now: Instant) -> Result<(), AppError> {
+        let follows = self.selection == Selection::Follows && self.picture.is_some();
+        if self.software() && follows && self.scene.has_arrived() && !self.pacing.wants_picture(now, &self.motives(now)) {
+            let was_busy = self.scene.edits().is_busy();
+            self.scene.update(&self.view(), uploads_within(TAKEN_IN))?;
+            self.taken_in = true;
+            self.pacing.touch_interface_within(now, PROGRESS);
+            if was_busy && !self.scene.edits().is_busy() {
+                self.touch();
+            }
+        }
+        Ok(())
     }
 
     /// What the viewer moves over.
@@ -247,6 +276,7 @@ impl Flight {
         let stale = self.picture.as_ref().is_none_or(|picture| picture.size() != size);
         let anew = stale || self.pacing.wants_picture(now, &self.motives(now));
         self.pacing.begin(now, anew);
+        self.reused = !anew;
         if anew {
             self.draw_picture(&mut frame.commands, now, size)?;
         }
@@ -276,7 +306,8 @@ impl Flight {
     /// Learns from the frame that was drawn in this slot before, which is done.
     fn learn(&mut self, frame: &Frame, now: Instant) -> Result<(), AppError> {
         let Some(times) = &frame.timestamps else { return Ok(()) };
-        self.counters = self.renderer.earlier_counters()?;
+        // The frame before may have been of the interface alone: then the latest picture is done, too.
+        self.counters = if self.reused { self.renderer.counters()? } else { self.renderer.earlier_counters()? };
         if let Some(cost) = self.ledger.settle(frame.slot(), times, now) {
             self.stages = PerStage::gpu_ms(times);
             self.pacing.learn(cost);
@@ -295,6 +326,7 @@ impl Flight {
                 Image::new(&self.context, &ImageDescription::new("picture", size, self.swapchain.format(), usage))?
             }
         };
+        self.taken_in = false;
         let seconds = self.pass_time(now);
         self.record_mesh(commands, now, seconds)?;
         self.renderer.record_picture(commands, &self.scene, &self.choices.look, picture.view())?;
@@ -384,9 +416,12 @@ impl Flight {
                 self.viewer.lens.fov = camera.fov;
                 self.viewer.pose = Pose::of_camera(&camera);
                 self.viewer.rise(surface);
+                let sun = self.playback.as_ref().and_then(|playback| playback.sun(&waypoint));
+                self.choices.look.sun = sun.unwrap_or(self.choices.look.sun);
             }
             None => self.viewer.step(seconds, surface),
         }
+        self.playback = self.playback.take().filter(|playback| !playback.is_over(now));
         self.moving = self.latest_pose.replace(self.viewer.pose).is_some_and(|pose| pose != self.viewer.pose);
         if self.moving {
             self.pacing.moved(now);

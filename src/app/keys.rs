@@ -55,6 +55,8 @@ pub(super) enum Command {
     /// Add a keyframe to the path where the viewer is; play the path, or stop.
     AddKeyframe,
     Play,
+    /// Film the path.
+    Film,
     /// Take the tool that changes the ground in hand, or put it away.
     Tool,
     /// Without the last edit of the ground, or with the one undone last.
@@ -94,7 +96,7 @@ const fn action<T>(name: &'static str, keys: &'static [&'static str], words: &'s
     Action { name, keys, words, does }
 }
 
-const COMMANDS: [Action<Command>; 38] = [
+const COMMANDS: [Action<Command>; 39] = [
     action("help", &["F1"], "show or hide this list", Command::Help),
     action("panel", &["F2"], "show or hide the panel", Command::Panel),
     action("hide", &["F3"], "show or hide everything but the picture", Command::Hide),
@@ -125,6 +127,7 @@ const COMMANDS: [Action<Command>; 38] = [
     action("inspect", &["I"], "pick what is under the cursor: its patch and what is known of it", Command::Inspect),
     action("add_keyframe", &["R"], "add a keyframe to the path, where the viewer is", Command::AddKeyframe),
     action("play", &["Enter"], "play the path, or stop", Command::Play),
+    action("film", &["Shift+R"], "film the path: an mp4 beside the pictures", Command::Film),
     action("tool", &["X"], "take the tool in hand that changes the ground with a click, or put it away", Command::Tool),
     action("undo", &["Ctrl+Z"], "undo the last change of the ground", Command::Undo),
     action("redo", &["Ctrl+Y", "Ctrl+Shift+Z"], "do it again", Command::Redo),

@@ -391,6 +391,10 @@ impl ApplicationHandler for App {
         if flight.closes().is_some_and(|at| at <= now) {
             return events.exit();
         }
+        if let Err(error) = flight.take_in(now) {
+            return self.fail(events, error);
+        }
+        let Some(flight) = &mut self.flight else { return };
         let due = match self.retry_at {
             _ if self.hidden => Due::Never,
             Some(at) if now < at => Due::At(at),

@@ -69,6 +69,7 @@ impl Flight {
             }
             Command::AddKeyframe => self.revise(Revision::Add),
             Command::Play => self.play(),
+            Command::Film => self.asked.path = Some(PathWish::Film(self.panel.path_name())),
             Command::Tool => {
                 self.panel.tool.held = !self.panel.tool.held;
                 let said = if self.panel.tool.held {
@@ -147,7 +148,10 @@ impl Flight {
             return;
         }
         match self.panel.board.path(self.scene.planet().recipe.radius) {
-            Ok(path) => self.playback = Some(Playback::new(path, None)),
+            Ok(path) => {
+                let playback = Playback::new(path, None);
+                self.playback = Some(playback.lit(self.viewer.pose.up(), self.choices.look.sun));
+            }
             Err(error) => {
                 let add = self.viewer.keys.of_command(Command::AddKeyframe);
                 self.panel.say(format!("no path to play: {error}; {add} adds a keyframe"));

@@ -15,6 +15,8 @@ const STANDING: Duration = Duration::from_millis(120);
 const ADAPTING: Duration = Duration::from_millis(2400);
 /// How often to look whether patches have arrived.
 const LOOK_FOR_ARRIVALS: Duration = Duration::from_millis(15);
+/// Share of the time that pictures of patches as they arrive may take where pictures and patches are made by the same cores.
+const SHOWING: f64 = 0.2;
 /// Share of the budget below which more pixels are tried, so that density does not go to and fro.
 const ROOM: f64 = 0.75;
 /// Weight of the latest frame in what frames cost.
@@ -45,7 +47,7 @@ pub(super) struct Cost {
 pub(super) struct Motives {
     /// The viewer moves by themselves: keys are held, a zoom is under way, a path plays, or the sea has waves.
     pub(super) moving: bool,
-    /// Patches have arrived and wait to be taken in.
+    /// Patches have arrived that no picture shows yet.
     pub(super) arrived: bool,
     /// Patches are on their way.
     pub(super) pending: bool,
@@ -71,6 +73,8 @@ pub(super) struct Pacing {
     scale: Scale,
     /// Least time from frame to frame.
     least: Duration,
+    /// Whether pictures are made by the cores that build patches, too.
+    shares_cores: bool,
     /// Smoothed cost of a frame of density 1 that works on pixels, and of the rest.
     cost: Option<(f64, f64)>,
     /// Chosen last for a moving frame.
@@ -87,7 +91,7 @@ pub(super) struct Pacing {
 
 impl Pacing {
     /// Of a window whose frames come at most `most_fps` times a second.
-    pub(super) fn new(scale: Scale, most_fps: f64) -> Pacing {
+    pub(super) fn new(scale: Scale, most_fps: f64, shares_cores: bool) -> Pacing {
         // The first moving frame has to guess.
         let chosen = if let Scale::Within(ms) = scale {
             if ms < f64::INFINITY {
@@ -103,6 +107,7 @@ impl Pacing {
         Pacing {
             scale,
             least,
+            shares_cores,
             cost: None,
             chosen,
             moved: None,
@@ -128,6 +133,11 @@ impl Pacing {
     pub(super) fn touch(&mut self, now: Instant) {
         self.dirty = true;
         self.changed = now;
+    }
+
+    /// The same, where that need not be shown more often than so.
+    pub(super) fn touch_interface_within(&mut self, now: Instant, least: Duration) {
+        self.interface_dirty |= self.drawn.is_none_or(|drawn| now.duration_since(drawn) >= least);
     }
 
     /// The viewer moved in the frame that begins `now`.
@@ -184,7 +194,14 @@ impl Pacing {
         let adapts = motives.metered && now.duration_since(self.changed) < ADAPTING;
         // A picture drawn while moving may have had too few pixels.
         let sharpens = self.moved.is_some_and(|at| self.pictured.is_some_and(|drawn| drawn < at + STANDING));
-        self.dirty || motives.moving || motives.arrived || adapts || (sharpens && !self.is_moving(now))
+        let arrived = motives.arrived && self.shows_arrivals_at(motives).is_none_or(|at| at <= now);
+        self.dirty || motives.moving || arrived || adapts || (sharpens && !self.is_moving(now))
+    }
+
+    /// When patches that have arrived are to be shown: at once if none, or if they were the last.
+    fn shows_arrivals_at(&self, motives: &Motives) -> Option<Instant> {
+        let (pixels, fixed) = self.cost.filter(|_| self.shares_cores && motives.pending)?;
+        Some(self.pictured? + Duration::from_secs_f64((pixels + fixed) * 1e-3 / SHOWING))
     }
 
     /// When the next frame is due.
@@ -197,7 +214,7 @@ impl Pacing {
             };
         }
         let standing_at = self.moved.map(|at| at + STANDING).filter(|at| *at > now);
-        let look = motives.pending.then(|| now + LOOK_FOR_ARRIVALS);
+        let look = (motives.pending || motives.arrived).then(|| now + LOOK_FOR_ARRIVALS);
         match [standing_at, look, motives.until].into_iter().flatten().min() {
             Some(at) => Due::At(at),
             None => Due::Never,
@@ -213,7 +230,7 @@ mod tests {
 
     /// A renderer whose frames take so long at density 1, and always.
     fn flown(budget: f64, pixels: f64, fixed: f64) -> (Pacing, Instant) {
-        let (mut pacing, mut now) = (Pacing::new(Scale::Within(budget), 1000.0), Instant::now());
+        let (mut pacing, mut now) = (Pacing::new(Scale::Within(budget), 1000.0, false), Instant::now());
         for _ in 0..40 {
             now += Duration::from_millis(50);
             pacing.moved(now);
@@ -258,7 +275,7 @@ mod tests {
 
     #[test]
     fn whatever_changes_brings_a_frame_but_none_too_early() {
-        let (mut pacing, now) = (Pacing::new(Scale::Fixed(1.0), 50.0), Instant::now());
+        let (mut pacing, now) = (Pacing::new(Scale::Fixed(1.0), 50.0, false), Instant::now());
         assert_eq!(pacing.due(now, &NONE), Due::Now);
         pacing.begin(now, true);
         let soon = now + Duration::from_millis(1);
@@ -274,7 +291,7 @@ mod tests {
 
     #[test]
     fn what_only_the_interface_shows_brings_a_frame_over_the_same_picture() {
-        let (mut pacing, now) = (Pacing::new(Scale::Fixed(1.0), 50.0), Instant::now());
+        let (mut pacing, now) = (Pacing::new(Scale::Fixed(1.0), 50.0, false), Instant::now());
         assert!(pacing.wants_picture(now, &NONE));
         pacing.begin(now, true);
         let later = now + Duration::from_millis(40);
@@ -284,5 +301,18 @@ mod tests {
         assert_eq!(pacing.due(later + Duration::from_millis(40), &NONE), Due::Never);
         pacing.touch(later);
         assert!(pacing.wants_picture(later, &NONE));
+    }
+
+    #[test]
+    fn where_cores_are_shared_arrivals_are_shown_now_and_then_and_the_last_at_once() {
+        let (mut pacing, now) = (Pacing::new(Scale::Fixed(1.0), 50.0, true), Instant::now());
+        pacing.begin(now, true);
+        pacing.learn(Cost { density: 1.0, pixels_ms: 180.0, fixed_ms: 20.0 });
+        let after = |ms: u64| now + Duration::from_millis(ms);
+        let some = Motives { arrived: true, pending: true, ..NONE };
+        assert_eq!(pacing.due(after(300), &some), Due::At(after(300) + LOOK_FOR_ARRIVALS));
+        assert_eq!([900, 1100].map(|ms| pacing.wants_picture(after(ms), &some)), [false, true]);
+        assert!(pacing.wants_picture(after(300), &Motives { pending: false, ..some }));
+        assert!(pacing.wants_picture(after(300), &Motives { moving: true, ..some }));
     }
 }

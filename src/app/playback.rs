@@ -1,7 +1,9 @@
 //! A camera path that the window plays, and what its frames cost.
 
+use crate::frame::{sun_over, sun_seen_from};
+use glam::DVec3;
 use std::time::{Duration, Instant};
-use terrane_planet::draw::camera_path::{CameraPath, Waypoint};
+use terrane_planet::draw::camera_path::{CameraPath, Carried, Waypoint};
 
 /// A frame of the window, as it was shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -24,17 +26,35 @@ pub struct FlyFrame {
     pub allocations: u64,
 }
 
+/// Degrees over the ground from a path's end beyond which the sun goes with the camera, as in films.
+const FAR: f64 = 40.0;
+
 /// A path that is being played, and how long the viewer stands at its end before the window closes; for ever if `None`.
 pub(super) struct Playback {
     path: CameraPath,
     stand: Option<Duration>,
+    /// Where the sun goes with the camera.
+    sun: Option<Carried>,
     begun: Option<Instant>,
 }
 
 impl Playback {
     /// Begins with the next frame.
     pub(super) fn new(path: CameraPath, stand: Option<Duration>) -> Playback {
-        Playback { path, stand, begun: None }
+        Playback { path, stand, sun: None, begun: None }
+    }
+
+    /// Lets a sun, as it is seen from a site now, go with the camera if the path leads so far that it would set.
+    pub(super) fn lit(mut self, site: DVec3, sun: DVec3) -> Playback {
+        let [azimuth, elevation] = sun_seen_from(site, sun);
+        let over_end = || sun_over(self.path.at(self.path.span().1).up, azimuth, elevation);
+        self.sun = (self.path.reach().to_degrees() > FAR).then(|| self.path.carry(over_end()));
+        self
+    }
+
+    /// Where the sun stands, if it goes with the camera.
+    pub(super) fn sun(&self, waypoint: &Waypoint) -> Option<DVec3> {
+        self.sun.as_ref().map(|sun| sun.at(waypoint.time_s))
     }
 
     fn seconds(&self) -> f64 {
@@ -53,6 +73,11 @@ impl Playback {
     /// Whether the path goes on.
     pub(super) fn is_moving(&self, now: Instant) -> bool {
         self.begun.is_none_or(|begun| now.duration_since(begun).as_secs_f64() < self.seconds())
+    }
+
+    /// Whether nothing comes after its end, and it has come there.
+    pub(super) fn is_over(&self, now: Instant) -> bool {
+        self.stand.is_none() && !self.is_moving(now)
     }
 
     /// When the window closes by itself.

@@ -147,6 +147,11 @@ fn keep(mut file: PlanetFile, notes: &Receiver<Note>, budget: u64) {
         if (full || idle) && !(built.is_empty() && around.is_empty() && used.is_empty()) {
             let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs() as i64);
             if let Err(error) = file.cache(&built, &around, &used, now, budget) {
+                // What is built from now on is of another ground, and has a keeper of its own.
+                if matches!(error, StoreError::Changed { .. }) {
+                    tracing::debug!(%error, "patches of the ground before are not kept");
+                    return;
+                }
                 // A full disk or a lock held for long: the flight goes on without a cache.
                 tracing::warn!(%error, "patches built while flying are no longer kept");
                 return;

@@ -112,6 +112,11 @@ impl Panel {
         self.shelf = bookmarks.into_iter().map(Shelved::new).collect();
     }
 
+    /// The name of the path.
+    pub(super) fn path_name(&self) -> String {
+        self.form.name()
+    }
+
     /// Whether keyframes are to stand at heights above the datum.
     pub(super) fn is_level(&self) -> bool {
         self.form.level

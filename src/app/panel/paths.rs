@@ -31,6 +31,14 @@ pub(super) struct PathForm {
     pub(super) level: bool,
 }
 
+impl PathForm {
+    /// The name that was typed, or the usual one.
+    pub(super) fn name(&self) -> String {
+        let typed = self.name.trim();
+        if typed.is_empty() { "path" } else { typed }.to_owned()
+    }
+}
+
 pub(super) fn show(ui: &mut Ui, facts: &Facts, board: &mut Storyboard, form: &mut PathForm, asked: &mut Asked) {
     CollapsingHeader::new("Path").default_open(false).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
@@ -59,15 +67,14 @@ pub(super) fn show(ui: &mut Ui, facts: &Facts, board: &mut Storyboard, form: &mu
         list(ui, board, asked);
         ui.horizontal(|ui| {
             ui.add(TextEdit::singleline(&mut form.name).hint_text("name").desired_width(90.0));
-            let name = || if form.name.trim().is_empty() { "path".to_owned() } else { form.name.trim().to_owned() };
             if ui.button("Save").on_hover_text("as JSON, beside the pictures").clicked() {
-                asked.path = Some(PathWish::Save(name()));
+                asked.path = Some(PathWish::Save(form.name()));
             }
             if ui.button("Load").clicked() {
-                asked.path = Some(PathWish::Load(name()));
+                asked.path = Some(PathWish::Load(form.name()));
             }
             if ui.button("Film").on_hover_text("an mp4 beside the pictures, drawn in the background").clicked() {
-                asked.path = Some(PathWish::Film(name()));
+                asked.path = Some(PathWish::Film(form.name()));
             }
         });
     });
