@@ -215,11 +215,11 @@ impl Flight {
 
     /// When the next frame is due.
     pub(super) fn due(&self, now: Instant) -> Due {
-        self.pacing.due(now, &self.motives(now))
+        self.pacing.due(now, &self.motives())
     }
 
-    fn motives(&self, now: Instant) -> Motives {
-        let plays = self.playback.as_ref().is_some_and(|playback| playback.is_moving(now));
+    fn motives(&self) -> Motives {
+        let plays = self.playback.as_ref().is_some_and(|playback| playback.is_moving());
         let follows = self.selection == Selection::Follows;
         Motives {
             moving: self.viewer.is_moving() || plays || self.has_waves() || self.latest_pose != Some(self.viewer.pose),
@@ -234,7 +234,7 @@ impl Flight {
     /// are wanted next.
     pub(super) fn take_in(&mut self, now: Instant) -> Result<(), AppError> {
         let follows = self.selection == Selection::Follows && self.picture.is_some();
-        if self.software() && follows && self.scene.has_arrived() && !self.pacing.wants_picture(now, &self.motives(now)) {
+        if self.software() && follows && self.scene.has_arrived() && !self.pacing.wants_picture(now, &self.motives()) {
             let was_busy = self.scene.edits().is_busy();
             self.scene.update(&self.view(), uploads_within(TAKEN_IN))?;
             self.taken_in = true;
@@ -274,7 +274,7 @@ impl Flight {
         let (now, slot, size) = (Instant::now(), frame.slot(), frame.target.size());
         self.learn(&frame, now)?;
         let stale = self.picture.as_ref().is_none_or(|picture| picture.size() != size);
-        let anew = stale || self.pacing.wants_picture(now, &self.motives(now));
+        let anew = stale || self.pacing.wants_picture(now, &self.motives());
         self.pacing.begin(now, anew);
         self.reused = !anew;
         if anew {
@@ -421,7 +421,7 @@ impl Flight {
             }
             None => self.viewer.step(seconds, surface),
         }
-        self.playback = self.playback.take().filter(|playback| !playback.is_over(now));
+        self.playback = self.playback.take().filter(|playback| !playback.is_over());
         self.moving = self.latest_pose.replace(self.viewer.pose).is_some_and(|pose| pose != self.viewer.pose);
         if self.moving {
             self.pacing.moved(now);

@@ -21,6 +21,7 @@ use terrane_planet::draw::view::{local_frame, Camera};
 use terrane_planet::draw::view_line::{Daylight, Exposure, Stand, ViewLine};
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::globe::sun;
+use terrane_planet::planet::CLEARANCE_M;
 use winit::window::Fullscreen;
 
 /// Radians that the sun moves along its daily course with each key press.
@@ -133,11 +134,11 @@ impl Flight {
     /// Where the viewer is, as a keyframe.
     fn keyframe(&self) -> Keyframe {
         let pose = &self.viewer.pose;
-        let stand = if self.panel.is_level() {
-            Stand::Height(pose.position.length() - self.scene.planet().recipe.radius)
-        } else {
-            Stand::Altitude(self.viewer.altitude(&self.surface()))
-        };
+        let planet = self.scene.planet();
+        let height = pose.position.length() - planet.recipe.radius;
+        // Above the terrain, as paths are played, however coarse what is drawn is.
+        let altitude = (height - planet.surface_height(pose.up())).max(CLEARANCE_M);
+        let stand = if self.panel.is_level() { Stand::Height(height) } else { Stand::Altitude(altitude) };
         let (up, fov) = (pose.up(), self.viewer.lens.fov.to_degrees());
         Waypoint { time_s: 0.0, up, stand, ahead: pose.ahead, pitch: pose.pitch.to_degrees(), fov }.keyframe()
     }

@@ -69,9 +69,9 @@ impl<'a> Outlines<'a> {
     /// The border of a patch, on the ground that is drawn.
     pub(super) fn add_patch(&mut self, id: PatchId, color: Color32, width: f32) {
         let last = PARTS as i32;
-        let ways: [fn(i32, i32) -> (i32, i32); 4] =
-            [|k, _| (k, 0), |k, last| (last, k), |k, last| (last - k, last), |k, last| (0, last - k)];
-        let around = ways.into_iter().flat_map(|way| (0..last).map(move |k| way(k, last)));
+        let corners = [(0, 0), (last, 0), (last, last), (0, last), (0, 0)];
+        let side = |[(a, b), (c, d)]: [(i32, i32); 2]| (0..last).map(move |k| (a + (c - a) * k / last, b + (d - b) * k / last));
+        let around = corners.windows(2).flat_map(|ends| side([ends[0], ends[1]]));
         let points: Vec<Option<[f32; 2]>> =
             around.chain([(0, 0)]).map(|(a, b)| self.on_ground(direction(id.point(a, b, PARTS)))).collect();
         self.add_seen(&points, color, width);

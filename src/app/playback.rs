@@ -36,12 +36,14 @@ pub(super) struct Playback {
     /// Where the sun goes with the camera.
     sun: Option<Carried>,
     begun: Option<Instant>,
+    /// Whether a frame has shown its end.
+    arrived: bool,
 }
 
 impl Playback {
     /// Begins with the next frame.
     pub(super) fn new(path: CameraPath, stand: Option<Duration>) -> Playback {
-        Playback { path, stand, sun: None, begun: None }
+        Playback { path, stand, sun: None, begun: None, arrived: false }
     }
 
     /// Lets a sun, as it is seen from a site now, go with the camera if the path leads so far that it would set.
@@ -62,22 +64,22 @@ impl Playback {
         last - first
     }
 
-    /// Where the viewer is at a time, while they move.
+    /// Where the viewer is at a time, until they have come to the end, however late the frame is that shows it.
     pub(super) fn at(&mut self, now: Instant) -> Option<Waypoint> {
-        let fresh = self.begun.is_none();
         let passed = now.duration_since(*self.begun.get_or_insert(now)).as_secs_f64();
-        let moves = fresh || self.is_moving(now);
-        moves.then(|| self.path.at(self.path.span().0 + passed))
+        let arrives = passed >= self.seconds();
+        let has_arrived = std::mem::replace(&mut self.arrived, arrives);
+        (!has_arrived).then(|| self.path.at(self.path.span().0 + passed))
     }
 
-    /// Whether the path goes on.
-    pub(super) fn is_moving(&self, now: Instant) -> bool {
-        self.begun.is_none_or(|begun| now.duration_since(begun).as_secs_f64() < self.seconds())
+    /// Whether a frame is to come that shows the viewer elsewhere.
+    pub(super) fn is_moving(&self) -> bool {
+        !self.arrived
     }
 
     /// Whether nothing comes after its end, and it has come there.
-    pub(super) fn is_over(&self, now: Instant) -> bool {
-        self.stand.is_none() && !self.is_moving(now)
+    pub(super) fn is_over(&self) -> bool {
+        self.stand.is_none() && self.arrived
     }
 
     /// When the window closes by itself.

@@ -82,7 +82,7 @@ mod tests {
     #[test]
     fn a_thumbnail_has_the_means_of_its_picture_and_its_shape() {
         let (width, height) = (4 * THUMBNAIL, 2 * THUMBNAIL);
-        let grey = |x: u32, y: u32| if (x + y) % 2 == 0 { 40 } else { 60 };
+        let grey = |x: u32, y: u32| if (x + y).is_multiple_of(2) { 40 } else { 60 };
         let rgba = (0..height).flat_map(|y| (0..width).flat_map(move |x| [grey(x, y), grey(x, y), 200, 255])).collect();
         let small = thumbnail(&Picture { size: [width, height], rgba });
         assert_eq!(small.size, [THUMBNAIL, THUMBNAIL / 2]);

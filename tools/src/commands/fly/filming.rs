@@ -24,7 +24,10 @@ impl Filming {
     /// Begins to draw the path of a file.
     pub(super) fn begin(planet: &Path, path: &Path, view: &ViewLine) -> anyhow::Result<Filming> {
         let has_ffmpeg = Command::new("ffmpeg").arg("-version").stdout(Stdio::null()).stderr(Stdio::null()).status().is_ok();
-        let out = if has_ffmpeg { path.with_extension("mp4") } else { path.with_extension("frames") };
+        let out = if has_ffmpeg { path.with_extension("mp4") } else { path.with_extension("") };
+        if !has_ffmpeg {
+            std::fs::create_dir_all(&out).with_context(|| format!("cannot make the folder {}", out.display()))?;
+        }
         let view = ViewLine { size: None, time: None, ..view.clone() };
         let mut record = Command::new(std::env::current_exe().context("cannot find this program")?);
         record.arg("record").arg(planet).arg("--path").arg(path).arg("--out").arg(&out);

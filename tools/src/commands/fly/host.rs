@@ -123,7 +123,8 @@ impl Host for CommandHost {
         self.save_path(name, route)?;
         let planet = self.places.last().ok_or("no planet is open")?.path();
         let film = Filming::begin(planet, &self.path_file(name), view).map_err(|error| format!("no film: {error:#}"))?;
-        let said = format!("{} is being drawn: it is said here when it is done", film.out.display());
+        let what = if film.out.is_dir() { "there is no ffmpeg: single pictures are drawn into" } else { "a film is drawn:" };
+        let said = format!("{what} {}", film.out.display());
         self.filming = Some(film);
         Ok(said)
     }
