@@ -1,30 +1,27 @@
 //! A flight: the window with everything that is drawn in it. One call of [`Flight::draw`] is one frame.
 
 use super::choices::Choices;
-use super::facts::Facts;
-use super::host::{Host, Opened, Settings};
-use super::inspection::{inspect, Inspected};
+use super::host::{Host, Opened};
 use super::interface::Interface;
+use super::keys::Keys;
 use super::ledger::Ledger;
-use super::outlines::{FrozenView, Line, Outlines};
+use super::outlines::FrozenView;
 use super::pacing::{Due, Motives, Pacing, Scale};
 use super::panel::{Asked, Panel};
 use super::playback::{FlyFrame, Playback};
 use super::pose::Pose;
 use super::surface::DrawnSurface;
 use super::viewer::Viewer;
-use super::{view_line, AppError, FlyOptions};
+use super::{AppError, FlyOptions};
 use crate::frame::{FrameTables, GuiFrame, Look, PerStage, Renderer};
 use crate::scene::{uploads_within, Scene, SceneOptions, Scope};
-use crate::vulkan::{vk, Access, Commands, Context, Frame, GpuKind, Image, ImageDescription, Swapchain};
-use egui::Color32;
+use crate::vulkan::{vk, Access, Commands, Context, Frame, GpuKind, Image, ImageDescription, Swapchain, VulkanError};
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
-use terrane_planet::draw::layout::{EmitState, Mode, Tone};
+use terrane_planet::draw::layout::{EmitState, Mode};
 use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::draw::view_line::ViewLine;
-use terrane_planet::globe::sphere::latitude_longitude;
 use terrane_planet::maps::waves::CASCADES;
 use winit::window::Window;
 
@@ -65,6 +62,15 @@ pub(super) enum Screenshot {
     Bookmark,
 }
 
+/// What does not go with a device.
+pub(super) struct Survivors {
+    pub(super) viewer: Viewer,
+    panel: Panel,
+    choices: Choices,
+    home: Pose,
+    line: ViewLine,
+}
+
 /// Everything that a window needs.
 pub(super) struct Flight {
     pub(super) viewer: Viewer,
@@ -86,18 +92,18 @@ pub(super) struct Flight {
     /// The direction of what was picked.
     pub(super) picked: Option<DVec3>,
     /// What the selection was frozen with.
-    frozen: Option<FrozenView>,
+    pub(super) frozen: Option<FrozenView>,
     pub(super) context: Arc<Context>,
     /// What scenes may use and build.
     options: SceneOptions,
     swapchain: Swapchain,
-    renderer: Renderer,
+    pub(super) renderer: Renderer,
     /// The latest picture, without the interface: frames in which only that changes put it over the same.
     pub(super) picture: Option<Image>,
     /// The view as text, as far as nothing changes it.
-    line: ViewLine,
+    pub(super) line: ViewLine,
     /// Of the latest frame; while frozen, of the frame that stays.
-    tables: Option<FrameTables>,
+    pub(super) tables: Option<FrameTables>,
     /// Patches that this frame may take in.
     uploads: usize,
     /// Whether the latest frame put the interface over the picture before.
@@ -109,14 +115,14 @@ pub(super) struct Flight {
     pub(super) playback: Option<Playback>,
     /// Whether every frame gets a row in the report.
     reports: bool,
-    density: f64,
+    pub(super) density: f64,
     /// Where the viewer was in the latest frame.
     latest_pose: Option<Pose>,
     /// Whether they moved in the latest frame.
     moving: bool,
     /// Of a frame that is done: its counters, and GPU milliseconds of its stages.
-    counters: EmitState,
-    stages: PerStage<Option<f64>>,
+    pub(super) counters: EmitState,
+    pub(super) stages: PerStage<Option<f64>>,
     begun: Option<Instant>,
     latest: Instant,
     frames: u64,
@@ -268,8 +274,28 @@ impl Flight {
         self.swapchain.resize(width, height);
     }
 
+    /// What is left of it when its device is lost.
+    pub(super) fn survivors(&mut self, keys: Keys) -> Survivors {
+        let camera = self.viewer.pose.camera(&self.viewer.lens);
+        Survivors {
+            panel: std::mem::replace(&mut self.panel, Panel::new(false)),
+            viewer: std::mem::replace(&mut self.viewer, Viewer::new(&camera, keys)),
+            choices: self.choices,
+            home: self.home,
+            line: self.line.clone(),
+        }
+    }
+
+    /// Goes on where another flight was, on another device.
+    pub(super) fn take_over(&mut self, survivors: Survivors) {
+        let Survivors { viewer, panel, choices, home, line } = survivors;
+        (self.viewer, self.panel, self.choices, self.home, self.line) = (viewer, panel, choices, home, line);
+    }
+
     /// Draws a frame. False if there was nothing to draw to: try again a little later.
     pub(super) fn draw(&mut self, host: &mut dyn Host) -> Result<bool, AppError> {
+        #[cfg(debug_assertions)]
+        lose_device_on_purpose(self.frames)?;
         let Some(mut frame) = self.swapchain.acquire()? else { return Ok(false) };
         let (now, slot, size) = (Instant::now(), frame.slot(), frame.target.size());
         self.learn(&frame, now)?;
@@ -443,19 +469,7 @@ impl Flight {
         }
     }
 
-    /// What is seen, as text that shows it elsewhere.
-    pub(super) fn view_line(&self) -> ViewLine {
-        let line = ViewLine {
-            time: Some(self.renderer.time),
-            no_geomorphs: !self.choices.geomorphs,
-            orientation: self.choices.orientation,
-            error: Some(self.choices.tolerance),
-            ..self.line.clone()
-        };
-        view_line::of(line, &self.viewer, self.scene.planet().recipe.radius, &self.choices.look)
-    }
-
-    fn view(&self) -> View {
+    pub(super) fn view(&self) -> View {
         let camera = self.viewer.pose.camera(&self.viewer.lens);
         let view = View::new(camera, self.scene.lattice(), self.scene.planet().cells, self.choices.tolerance);
         let view = if self.choices.geomorphs { view } else { view.without_geomorphs() };
@@ -464,74 +478,6 @@ impl Flight {
         } else {
             view
         }
-    }
-
-    /// What the interface says of this frame.
-    fn facts(&self) -> Facts {
-        let (pose, recipe, tally) = (&self.viewer.pose, &self.scene.planet().recipe, self.scene.tally());
-        let (latitude, longitude) = latitude_longitude(pose.up());
-        let mut levels = Vec::new();
-        for patch in self.tables.iter().flat_map(|tables| &tables.patches) {
-            let level = patch.level as usize;
-            levels.resize(levels.len().max(level + 1), 0);
-            levels[level] += 1;
-        }
-        Facts {
-            planet: recipe.name.clone(),
-            radius_m: recipe.radius,
-            site: [latitude, longitude],
-            height_m: pose.position.length() - recipe.radius,
-            altitude_m: self.viewer.altitude(&self.surface()),
-            ground_m: self.scene.ground().height_at(pose.up()),
-            look: [pose.heading().to_degrees(), pose.pitch.to_degrees()],
-            fov: self.viewer.lens.fov.to_degrees(),
-            manner: self.viewer.manner(),
-            speed: self.viewer.speed(),
-            places: self.viewer.history.has(),
-            named: recipe.places.clone(),
-            plays: self.playback.is_some(),
-            has: [recipe.atmosphere.is_some(), recipe.sea.is_some(), recipe.clouds.is_some()],
-            counters: self.counters,
-            prefix_vertices: self.tables.as_ref().map_or(0, |tables| tables.vertices),
-            levels,
-            pending: self.scene.pending(),
-            read: tally.read,
-            built: tally.built,
-            bytes: [self.scene.gpu_bytes(), self.scene.host_bytes()],
-            allocated: self.context.allocated_bytes(),
-            stages: self.stages,
-            density: self.density,
-            device: self.context.device_info().name.clone(),
-            frozen: self.selection != Selection::Follows,
-            edits: self.scene.edits(),
-            picked: self.inspected(),
-            lines: self.lines(),
-        }
-    }
-
-    fn inspected(&self) -> Option<Inspected> {
-        inspect(&self.scene, &self.view(), self.tables.as_ref()?, self.picked?)
-    }
-
-    /// Lines over the picture.
-    fn lines(&self) -> Vec<Line> {
-        let mut outlines = Outlines::new(&self.scene, self.viewer.pose.camera(&self.viewer.lens));
-        if let (Some(frozen), Selection::Frozen) = (&self.frozen, self.selection) {
-            outlines.add_frozen(frozen);
-        }
-        if let Some(picked) = self.inspected() {
-            let ancestors = std::iter::successors(picked.patch.parent(), |id| id.parent());
-            ancestors.for_each(|id| outlines.add_patch(id, Color32::from_gray(130), 1.0));
-            outlines.add_patch(picked.patch, Color32::WHITE, 2.0);
-        }
-        let tool = &self.panel.tool;
-        if let Some(site) = self.viewer.site_under_cursor(&self.surface()).filter(|_| tool.held) {
-            outlines.add_circle(site, tool.radius_m, Color32::from_rgb(255, 170, 60));
-        }
-        if let (None, Ok(path)) = (&self.playback, self.panel.board.path(self.scene.planet().recipe.radius)) {
-            outlines.add_path(&path);
-        }
-        outlines.lines
     }
 
     /// Flies over another planet from now on.
@@ -552,20 +498,6 @@ impl Flight {
         self.touch();
         Ok(())
     }
-
-    /// What to choose again in the next window.
-    pub(super) fn settings(&self) -> Settings {
-        let choices = &self.choices;
-        Settings {
-            panel: self.panel.open,
-            speed: self.viewer.speed(),
-            tolerance: Some(choices.tolerance).filter(|tolerance| *tolerance != USUAL_TOLERANCE),
-            geomorphs: choices.geomorphs,
-            scale: if let Scale::Fixed(density) = choices.scale { Some(density) } else { None },
-            tone: Some(choices.look.tone).filter(|tone| *tone != Tone::Neutral).map(|tone| tone.name().to_owned()),
-            recent: self.panel.recent.clone(),
-        }
-    }
 }
 
 impl Drop for Flight {
@@ -573,4 +505,16 @@ impl Drop for Flight {
         // The frames in flight still use what is dropped next. A lost device waits for nothing.
         let _ = self.context.wait_idle();
     }
+}
+
+/// Fails as a lost device does, in the frame that `TERRANE_LOSE_DEVICE` says, once: no test can lose a real one.
+#[cfg(debug_assertions)]
+fn lose_device_on_purpose(frame: u64) -> Result<(), AppError> {
+    use std::sync::atomic::{AtomicBool, Ordering};
+    static LOST: AtomicBool = AtomicBool::new(false);
+    let wanted = std::env::var("TERRANE_LOSE_DEVICE").ok().and_then(|text| text.parse().ok());
+    if wanted.is_some_and(|wanted: u64| frame >= wanted) && !LOST.swap(true, Ordering::Relaxed) {
+        return Err(VulkanError::DeviceLost { zone: "none (on purpose)".to_owned() }.into());
+    }
+    Ok(())
 }

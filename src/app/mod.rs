@@ -25,6 +25,7 @@ mod panel;
 mod playback;
 mod pose;
 mod screenshots;
+mod snapshot;
 mod storyboard;
 mod surface;
 mod view_line;
@@ -63,6 +64,8 @@ use winit::window::{Window, WindowId};
 const RETRY: Duration = Duration::from_millis(30);
 /// How often to ask the host for news that it expects.
 const LOOK_FOR_NEWS: Duration = Duration::from_millis(500);
+/// How long a device must last to be used anew after it was lost.
+const LASTING: Duration = Duration::from_secs(10);
 /// Pixels of smooth scrolling that make one notch of a wheel.
 const PIXELS_PER_NOTCH: f64 = 40.0;
 
@@ -91,6 +94,16 @@ pub enum AppError {
     /// The GPU.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
+}
+
+impl AppError {
+    fn is_lost_device(&self) -> bool {
+        matches!(
+            self,
+            AppError::Vulkan(VulkanError::DeviceLost { .. })
+                | AppError::Scene(SceneError::Vulkan(VulkanError::DeviceLost { .. }))
+        )
+    }
 }
 
 /// How to fly.
@@ -154,6 +167,7 @@ pub fn fly(options: FlyOptions) -> (FlyReport, Result<(), AppError>) {
         error: None,
         hidden: false,
         retry_at: None,
+        recovered: None,
         modifiers: ModifiersState::empty(),
     };
     let ended = EventLoop::new().map_err(|error| no_window_system(&error)).and_then(|events| {
@@ -181,6 +195,8 @@ struct App {
     hidden: bool,
     /// Set while the window has nothing to draw to.
     retry_at: Option<Instant>,
+    /// When a lost device was last used anew.
+    recovered: Option<Instant>,
     /// Keys that are held beside others.
     modifiers: ModifiersState,
 }
@@ -201,11 +217,37 @@ impl App {
         events.exit();
     }
 
+    /// After its device is lost the window goes on with it anew, where it was; unless it was lost a moment ago, too.
+    fn recover(&mut self, events: &ActiveEventLoop, error: AppError) {
+        let again = self.recovered.is_some_and(|at| at.elapsed() < LASTING);
+        if !error.is_lost_device() || again {
+            return self.fail(events, error);
+        }
+        let Some(mut flight) = self.flight.take() else { return };
+        tracing::warn!("{error}; it is used anew");
+        let (window, survivors) = (flight.window.clone(), flight.survivors(self.options.keys.clone()));
+        let log = flight.context.message_log();
+        // A window bears one surface.
+        drop(flight);
+        self.report.messages.extend(log.all());
+        self.options.camera = survivors.viewer.pose.camera(&survivors.viewer.lens);
+        self.options.path = None;
+        match Flight::new(window, &self.options) {
+            Ok(mut flight) => {
+                flight.take_over(survivors);
+                flight.panel.set_bookmarks(self.options.host.bookmarks());
+                flight.panel.say("the GPU was lost, and is used anew".to_owned());
+                (self.flight, self.recovered) = (Some(flight), Some(Instant::now()));
+            }
+            Err(error) => self.fail(events, error),
+        }
+    }
+
     fn redraw(&mut self, events: &ActiveEventLoop) {
         let Some(flight) = &mut self.flight else { return };
         match flight.draw(self.options.host.as_mut()) {
             Ok(drawn) => self.retry_at = (!drawn).then(|| Instant::now() + RETRY),
-            Err(error) => return self.fail(events, error),
+            Err(error) => return self.recover(events, error),
         }
         for text in flight.copied.drain(..) {
             self.options.host.copy(&text);
@@ -260,6 +302,7 @@ impl App {
         let opened = host.open(what).and_then(|opened| flight.open(&opened).map_err(|error| error.to_string()).map(|()| opened));
         match opened {
             Ok(opened) => {
+                self.options.file = opened.file;
                 self.options.settings.note_opened(&opened.name);
                 flight.panel.recent = self.options.settings.recent.clone();
                 flight.panel.say(format!("over {}", flight.scene.planet().recipe.name));
@@ -392,7 +435,7 @@ impl ApplicationHandler for App {
             return events.exit();
         }
         if let Err(error) = flight.take_in(now) {
-            return self.fail(events, error);
+            return self.recover(events, error);
         }
         let Some(flight) = &mut self.flight else { return };
         let due = match self.retry_at {
@@ -418,6 +461,6 @@ impl ApplicationHandler for App {
             tracing::warn!("{problem}");
         }
         drop(flight);
-        self.report.messages = log.all();
+        self.report.messages.extend(log.all());
     }
 }

@@ -61,7 +61,7 @@ pub(super) fn show(ui: &mut Ui, facts: &Facts, times: &FrameTimes) {
             };
             row("triangles", count(facts.counters.wanted));
             row("vertices awake", format!("{} of {} in prefixes", count(facts.counters.awake), count(facts.prefix_vertices)));
-            row("patches", format!("{} drawn, {} on their way", facts.patches(), facts.pending));
+            row("patches", format!("{} drawn, {} to come", facts.patches(), facts.pending));
             row("since it opened", format!("{} read, {} built", facts.read, facts.built));
         });
         levels(ui, facts);

@@ -327,3 +327,31 @@ fn keys_are_the_users_own_and_a_file_of_them_that_cannot_be_meant_is_refused() {
     assert_eq!(refused.status.code(), Some(1), "{message}");
     assert!(message.contains("keys.toml") && message.contains("'frieze' is nothing that keys do"), "{message}");
 }
+
+#[test]
+fn a_window_whose_device_is_lost_goes_on_where_it_was() {
+    let Some((_server, display)) = display() else { return skipped(&"no Xvfb; apt install xvfb") };
+    if Hand::xdotool(&display, &["version"]).is_none() {
+        return skipped(&"no xdotool; apt install xdotool");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let planet = bake(folder.path());
+    let mut command =
+        terrane(&["fly", "--validate", "--size", "320x240", "--stored-only", "--at", "10,20,9000", "--screenshots"]);
+    command.arg(folder.path()).arg(&planet).env("DISPLAY", &display).env("TERRANE_LOSE_DEVICE", "4");
+    let mut flight = Owned(command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap());
+    let hand = Hand::on(&display, &mut flight);
+    // Each mode is a frame: one of them is the fifth.
+    for key in ["2", "3", "4", "5", "6", "3"] {
+        hand.key(key);
+    }
+    let picture = folder.path().join("terrane-1.png");
+    hand.picture(&picture);
+    let view: ViewLine =
+        read_view(std::io::BufReader::new(std::fs::File::open(&picture).unwrap())).unwrap().unwrap().parse().unwrap();
+    hand.key("Escape");
+    let (code, _, stderr) = end(flight);
+    assert_eq!(code, Some(0), "{stderr}");
+    assert!(stderr.contains("the GPU was lost") && stderr.contains("it is used anew") && stderr.lines().count() == 1, "{stderr}");
+    assert_eq!((view.at, view.mode.map(|mode| mode.name())), ([10.0, 20.0], Some("levels")));
+}
