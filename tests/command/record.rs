@@ -152,3 +152,37 @@ fn pictures_come_as_png_of_8_and_16_bits_and_as_radiance() {
     }
     assert!(image.layer_data.attributes.latitude.is_some());
 }
+
+#[test]
+fn a_strip_has_the_frames_of_its_path_side_by_side() {
+    if device().is_none() {
+        return;
+    }
+    let folder = folder();
+    let arguments = ["record", "tiny.planet", "--stored-only", "--path", "path.json", "--size", "60x40", "--strip", "3", "--out"];
+    for out in ["strip.png", "strip.jpg"] {
+        let output = terrane(&[&arguments[..], &[out]].concat(), folder.path());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+    }
+    let record =
+        ["record", "tiny.planet", "--stored-only", "--path", "path.json", "--size", "60x40", "--fps", "2", "--out", "frames"];
+    assert!(terrane(&record, folder.path()).status.success());
+    let read = |path: &str| {
+        let file = std::io::BufReader::new(std::fs::File::open(folder.path().join(path)).unwrap());
+        let mut reader = png::Decoder::new(file).read_info().unwrap();
+        let mut rgb = vec![0; reader.output_buffer_size().unwrap()];
+        let info = reader.next_frame(&mut rgb).unwrap();
+        (info.width as usize, rgb)
+    };
+    let (width, strip) = read("strip.png");
+    assert_eq!((width, strip.len()), (188, 3 * 188 * 40));
+    for number in 1..=3 {
+        let (_, frame) = read(&format!("frames/{number:06}.png"));
+        let rows = (0..40).map(|row| &strip[3 * (row * 188 + 64 * (number - 1))..][..180]);
+        assert!(rows.zip(frame.chunks(180)).all(|(a, b)| a == b), "frame {number} is another");
+    }
+    let jpeg = std::fs::read(folder.path().join("strip.jpg")).unwrap();
+    assert!(jpeg.starts_with(&[0xff, 0xd8]) && jpeg.len() < strip.len());
+    let refused = terrane(&[&arguments[..], &["strip.gif"]].concat(), folder.path());
+    assert!(text(&refused.stderr).contains(".png"), "{}", text(&refused.stderr));
+}

@@ -1,7 +1,8 @@
-//! Where recorded frames go: a folder of numbered PNGs, or a film that `ffmpeg` makes of them.
+//! Where recorded frames go: a folder of numbered PNGs, a film that `ffmpeg` makes of them, or a strip.
 
 use super::output::{check_output, Output};
 use super::pictures;
+use super::strip::Strip;
 use anyhow::{bail, ensure, Context as _};
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -37,6 +38,8 @@ pub(crate) enum Film {
     },
     /// A film in the making.
     Encoder(Box<Encoder>),
+    /// Frames side by side.
+    Strip(Strip),
 }
 
 /// A running `ffmpeg`.
@@ -100,6 +103,7 @@ impl Film {
                 pictures::write_still(&path, still).with_context(|| format!("cannot write the frame {}", path.display()))
             }
             Film::Encoder(encoder) => encoder.add(still),
+            Film::Strip(strip) => strip.add(number, still),
         }
     }
 
@@ -108,6 +112,7 @@ impl Film {
         match self {
             Film::Folder { .. } => Ok(()),
             Film::Encoder(encoder) => encoder.finish(),
+            Film::Strip(strip) => strip.finish(),
         }
     }
 }

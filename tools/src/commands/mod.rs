@@ -30,6 +30,7 @@ mod shot;
 mod simplify;
 mod stage_times;
 mod still;
+mod strip;
 mod study;
 mod verify;
 mod viewing;

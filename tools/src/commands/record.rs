@@ -6,6 +6,7 @@ use super::film::{container, Film};
 use super::paths::{self, GivenPath};
 use super::planets::{planet_file, FILE, WITH_VIEW};
 use super::still::StillArguments;
+use super::strip::Strip;
 use super::viewing::{check_tolerance, picture_size};
 use super::views::{check_planet, given, VALUE};
 use super::{pictures, Run};
@@ -43,8 +44,11 @@ pub(crate) struct Record {
     /// Frames a second, 0.1 to 240.
     #[arg(long, value_name = "F", default_value_t = 30.0)]
     fps: f64,
-    /// Folder for 000001.png, 000002.png and so on; or a film, x.mp4 (H.264) or x.webm (VP9).
-    #[arg(long, value_name = "FOLDER|x.mp4|x.webm")]
+    /// Only so many frames, from the first to the last at equal steps of time, side by side in one picture.
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(2..=64), conflicts_with = "fps")]
+    strip: Option<u32>,
+    /// Folder for 000001.png, 000002.png and so on; or a film, x.mp4 (H.264) or x.webm (VP9); or with `--strip` a picture, x.png or x.jpg.
+    #[arg(long, value_name = "FOLDER|x.mp4|x.webm|x.png|x.jpg")]
     out: PathBuf,
     /// Take size, tolerance, light and look from a view; from where it is seen the path says.
     ///
@@ -95,9 +99,10 @@ impl Run for Record {
         self.view.iter().for_each(|line| check_planet(line, scene.planet()));
         let (route, path) = (path.route(scene.planet()), path.over(scene.planet())?);
         let (first, last) = path.span();
-        let frames = ((last - first) * self.fps).floor() + 1.0;
+        let frames = self.strip.map_or(((last - first) * self.fps).floor() + 1.0, f64::from);
+        let step_s = self.strip.map_or(1.0 / self.fps, |count| (last - first) / f64::from(count - 1));
         ensure!(frames <= MOST_FRAMES, "--fps: {frames} frames, expected at most {MOST_FRAMES}; choose fewer a second");
-        if container(&self.out).is_none() {
+        if container(&self.out).is_none() && self.strip.is_none() {
             self.check_notes(&self.out.join(NOTES), &route)?;
         }
         let look = self.draw.look_along(&scene.planet().recipe, &path);
@@ -112,7 +117,7 @@ impl Run for Record {
             if film.has(number) {
                 tally.kept += 1;
             } else {
-                let waypoint = path.at(first + (number - 1) as f64 / self.fps);
+                let waypoint = path.at(first + (number - 1) as f64 * step_s);
                 let look = look.at(waypoint.time_s);
                 scene.set_sun(look.sun);
                 let planet = scene.planet();
@@ -142,6 +147,9 @@ impl Record {
 
     /// Where the frames go. Fails before anything is drawn if they cannot.
     fn film(&self) -> anyhow::Result<Film> {
+        if let Some(count) = self.strip {
+            return Ok(Film::Strip(Strip::new(&self.out, self.size(), count)?));
+        }
         if container(&self.out).is_some() {
             ensure!(!self.still.transparent_sky, "--transparent-sky: films have no alpha; record a folder of pictures");
             return Film::encoder(&self.out, self.size(), self.fps);
@@ -191,6 +199,7 @@ impl Record {
         println!("{}: {drawn} of {frames} frames drawn, {kept} there before, {seconds:.1} s", self.out.display());
         if interrupted {
             match container(&self.out) {
+                _ if self.strip.is_some() => println!("interrupted: the frames that are missing are white"),
                 Some(_) => println!("interrupted: the film ends after {drawn} frames"),
                 None => println!("interrupted: the same command goes on from here"),
             }
