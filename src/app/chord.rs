@@ -38,6 +38,11 @@ impl Chord {
         self.held.shift_key()
     }
 
+    /// Whether it goes by what a key types, wherever that is on the keyboard.
+    pub(super) fn goes_by_text(&self) -> bool {
+        matches!(self.key, ChordKey::Types(_))
+    }
+
     /// Whether a press of a key means this, while others are held. Shift may be held beside keys that do not ask for it.
     pub(super) fn fits(&self, physical: PhysicalKey, logical: &Key, held: ModifiersState) -> bool {
         let key = match &self.key {

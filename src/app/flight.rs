@@ -1,9 +1,8 @@
 //! A flight: the window with everything that is drawn in it. One call of [`Flight::draw`] is one frame.
 
 use super::choices::Choices;
-use super::host::{Host, Opened};
+use super::host::Host;
 use super::interface::Interface;
-use super::keys::Keys;
 use super::ledger::Ledger;
 use super::outlines::FrozenView;
 use super::pacing::{Due, Motives, Pacing, Scale};
@@ -13,14 +12,14 @@ use super::pose::Pose;
 use super::surface::DrawnSurface;
 use super::viewer::Viewer;
 use super::{AppError, FlyOptions};
-use crate::frame::{FrameTables, GuiFrame, Look, PerStage, Renderer};
+use crate::frame::{FrameTables, GuiFrame, PerStage, Renderer};
 use crate::scene::{uploads_within, Scene, SceneOptions, Scope};
-use crate::vulkan::{vk, Access, Commands, Context, Frame, GpuKind, Image, ImageDescription, Swapchain, VulkanError};
+use crate::vulkan::{vk, Access, Commands, Context, Frame, GpuKind, Image, ImageDescription, Swapchain};
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 use terrane_planet::draw::layout::{EmitState, Mode};
-use terrane_planet::draw::view::{Camera, View};
+use terrane_planet::draw::view::View;
 use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::maps::waves::CASCADES;
 use winit::window::Window;
@@ -62,15 +61,6 @@ pub(super) enum Screenshot {
     Bookmark,
 }
 
-/// What does not go with a device.
-pub(super) struct Survivors {
-    pub(super) viewer: Viewer,
-    panel: Panel,
-    choices: Choices,
-    home: Pose,
-    line: ViewLine,
-}
-
 /// Everything that a window needs.
 pub(super) struct Flight {
     pub(super) viewer: Viewer,
@@ -95,7 +85,7 @@ pub(super) struct Flight {
     pub(super) frozen: Option<FrozenView>,
     pub(super) context: Arc<Context>,
     /// What scenes may use and build.
-    options: SceneOptions,
+    pub(super) options: SceneOptions,
     swapchain: Swapchain,
     pub(super) renderer: Renderer,
     /// The latest picture, without the interface: frames in which only that changes put it over the same.
@@ -110,7 +100,7 @@ pub(super) struct Flight {
     reused: bool,
     /// Whether some were taken in that no picture shows yet.
     taken_in: bool,
-    pacing: Pacing,
+    pub(super) pacing: Pacing,
     ledger: Ledger,
     pub(super) playback: Option<Playback>,
     /// Whether every frame gets a row in the report.
@@ -272,24 +262,6 @@ impl Flight {
 
     pub(super) fn resize(&mut self, width: u32, height: u32) {
         self.swapchain.resize(width, height);
-    }
-
-    /// What is left of it when its device is lost.
-    pub(super) fn survivors(&mut self, keys: Keys) -> Survivors {
-        let camera = self.viewer.pose.camera(&self.viewer.lens);
-        Survivors {
-            panel: std::mem::replace(&mut self.panel, Panel::new(false)),
-            viewer: std::mem::replace(&mut self.viewer, Viewer::new(&camera, keys)),
-            choices: self.choices,
-            home: self.home,
-            line: self.line.clone(),
-        }
-    }
-
-    /// Goes on where another flight was, on another device.
-    pub(super) fn take_over(&mut self, survivors: Survivors) {
-        let Survivors { viewer, panel, choices, home, line } = survivors;
-        (self.viewer, self.panel, self.choices, self.home, self.line) = (viewer, panel, choices, home, line);
     }
 
     /// Draws a frame. False if there was nothing to draw to: try again a little later.
@@ -479,25 +451,6 @@ impl Flight {
             view
         }
     }
-
-    /// Flies over another planet from now on.
-    ///
-    /// # Errors
-    /// A file that cannot be opened: the planet before stays. Device loss.
-    pub(super) fn open(&mut self, opened: &Opened) -> Result<(), AppError> {
-        self.context.wait_idle()?;
-        let options = SceneOptions { scope: Scope::Flight, ..self.options.clone() };
-        self.scene = Scene::open(&self.context, &opened.file, options)?;
-        self.viewer.appear(&Camera { size: self.viewer.lens.size, ..opened.camera });
-        self.home = self.viewer.pose;
-        self.choices.look = Look { mode: self.choices.look.mode, ..opened.look };
-        self.line = opened.view.clone();
-        (self.tables, self.selection, self.playback) = (None, Selection::Follows, None);
-        (self.picked, self.frozen) = (None, None);
-        self.window.set_title(&format!("Terrane: {}", opened.file.display()));
-        self.touch();
-        Ok(())
-    }
 }
 
 impl Drop for Flight {
@@ -514,7 +467,7 @@ fn lose_device_on_purpose(frame: u64) -> Result<(), AppError> {
     static LOST: AtomicBool = AtomicBool::new(false);
     let wanted = std::env::var("TERRANE_LOSE_DEVICE").ok().and_then(|text| text.parse().ok());
     if wanted.is_some_and(|wanted: u64| frame >= wanted) && !LOST.swap(true, Ordering::Relaxed) {
-        return Err(VulkanError::DeviceLost { zone: "none (on purpose)".to_owned() }.into());
+        return Err(crate::vulkan::VulkanError::DeviceLost { zone: "none (on purpose)".to_owned() }.into());
     }
     Ok(())
 }

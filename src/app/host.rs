@@ -2,7 +2,7 @@
 
 use crate::frame::Look;
 use serde::{Deserialize, Serialize};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use terrane_planet::draw::camera_path::Route;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::draw::view_line::ViewLine;
@@ -72,6 +72,26 @@ impl Default for Settings {
 const MOST_RECENT: usize = 8;
 
 impl Settings {
+    /// These, but for what was changed from one state of a window to a later one: options of a single run are not to be kept.
+    pub fn with_changes(self, from: &Settings, to: &Settings) -> Settings {
+        fn of<T: PartialEq + Clone>(kept: T, from: &T, to: &T) -> T {
+            if from == to {
+                kept
+            } else {
+                to.clone()
+            }
+        }
+        Settings {
+            panel: of(self.panel, &from.panel, &to.panel),
+            speed: of(self.speed, &from.speed, &to.speed),
+            tolerance: of(self.tolerance, &from.tolerance, &to.tolerance),
+            geomorphs: of(self.geomorphs, &from.geomorphs, &to.geomorphs),
+            scale: of(self.scale, &from.scale, &to.scale),
+            tone: of(self.tone, &from.tone, &to.tone),
+            recent: to.recent.clone(),
+        }
+    }
+
     /// Remembers a planet as the latest.
     pub fn note_opened(&mut self, name: &str) {
         self.recent.retain(|other| other != name);
@@ -126,7 +146,7 @@ pub trait Host {
     ///
     /// # Errors
     /// Why it cannot begin.
-    fn film(&mut self, name: &str, route: &Route, view: &ViewLine) -> Result<String, String>;
+    fn film(&mut self, planet: &Path, name: &str, route: &Route, view: &ViewLine) -> Result<String, String>;
 
     /// Whether something is under way that there will be news of.
     fn expects_news(&self) -> bool;
@@ -137,7 +157,13 @@ pub trait Host {
     /// Names of planets that can always be opened.
     fn planets(&self) -> Vec<String>;
 
-    /// Finds a planet by name, recipe or file, or that of a view or of a picture with one.
+    /// The view that a text or a picture is. None if it names a planet.
+    ///
+    /// # Errors
+    /// Why it is no view, though it looks like one.
+    fn view(&mut self, what: &str) -> Result<Option<ViewLine>, String>;
+
+    /// Finds a planet by name, recipe or file.
     ///
     /// # Errors
     /// Why there is none.
@@ -153,6 +179,15 @@ pub trait Host {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn only_what_was_changed_in_the_window_is_kept() {
+        let kept = Settings { speed: 3.0, scale: Some(0.5), ..Settings::default() };
+        // A run with another tolerance and scale, in which only the panel was opened.
+        let begun = Settings { tolerance: Some(8.0), scale: Some(0.25), speed: 3.0, ..Settings::default() };
+        let ended = Settings { panel: true, ..begun.clone() };
+        assert_eq!(kept.clone().with_changes(&begun, &ended), Settings { panel: true, ..kept });
+    }
 
     #[test]
     fn the_latest_planets_are_remembered_once_each() {

@@ -295,9 +295,10 @@ impl Keys {
             .map_or(String::new(), |(_, keys, _)| keys.iter().map(|key| key_name(key)).collect::<Vec<_>>().join(", "))
     }
 
-    /// What pressing a key asks for, if anything.
-    pub(super) fn command(&self, physical: PhysicalKey, logical: &Key, held: ModifiersState) -> Option<Command> {
-        let fits = |chord: &Chord| chord.fits(physical, logical, held);
+    /// What pressing a key asks for, if anything. Where keys move the viewer, those that do mean nothing by what they happen to type.
+    pub(super) fn command(&self, physical: PhysicalKey, logical: &Key, held: ModifiersState, moves: bool) -> Option<Command> {
+        let moves = moves && matches!(physical, PhysicalKey::Code(code) if self.motion(code).is_some());
+        let fits = |chord: &Chord| chord.fits(physical, logical, held) && !(moves && chord.goes_by_text());
         let all = self.commands.iter().filter(|(chord, _)| fits(chord));
         // With Shift held, what asks for it goes first; else Shift only hurries.
         all.max_by_key(|(chord, _)| chord.asks_for_shift()).map(|(_, command)| *command)
@@ -368,7 +369,7 @@ mod tests {
     const NONE: ModifiersState = ModifiersState::empty();
 
     fn typed(keys: &Keys, code: KeyCode, text: &str, held: ModifiersState) -> Option<Command> {
-        keys.command(PhysicalKey::Code(code), &Key::Character(text.into()), held)
+        keys.command(PhysicalKey::Code(code), &Key::Character(text.into()), held, false)
     }
 
     #[test]
@@ -394,8 +395,17 @@ mod tests {
         assert_eq!(typed(&keys, KeyCode::KeyP, "P", ModifiersState::SHIFT), Some(Command::Screenshot(true)));
         assert_eq!(typed(&keys, KeyCode::KeyP, "p", NONE), Some(Command::Screenshot(false)));
         assert_eq!(typed(&keys, KeyCode::KeyP, "p", ModifiersState::CONTROL), None);
-        let arrow = |held| keys.command(PhysicalKey::Code(KeyCode::ArrowLeft), &Key::Named(NamedKey::ArrowLeft), held);
+        let arrow = |held| keys.command(PhysicalKey::Code(KeyCode::ArrowLeft), &Key::Named(NamedKey::ArrowLeft), held, true);
         assert_eq!((arrow(NONE), arrow(ModifiersState::ALT)), (None, Some(Command::Back)));
+    }
+
+    #[test]
+    fn keys_that_move_command_nothing_whatever_they_type() {
+        let keys = Keys::default();
+        let pressed = |code, moves| keys.command(PhysicalKey::Code(code), &Key::Character("z".into()), NONE, moves);
+        // As on a keyboard of France.
+        assert_eq!([pressed(KeyCode::KeyW, true), pressed(KeyCode::KeyW, false)], [None, Some(Command::Freeze)]);
+        assert_eq!(pressed(KeyCode::KeyY, true), Some(Command::Freeze));
     }
 
     #[test]

@@ -24,6 +24,7 @@ mod pacing;
 mod panel;
 mod playback;
 mod pose;
+mod reopening;
 mod screenshots;
 mod snapshot;
 mod storyboard;
@@ -52,7 +53,7 @@ use terrane_planet::draw::camera_path::CameraPath;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::draw::view_line::ViewLine;
 use thiserror::Error;
-use viewer::Button;
+use viewer::{Button, Manner};
 use winit::application::ApplicationHandler;
 use winit::dpi::PhysicalSize;
 use winit::event::{ElementState, KeyEvent, MouseButton, MouseScrollDelta, WindowEvent};
@@ -167,6 +168,7 @@ pub fn fly(options: FlyOptions) -> (FlyReport, Result<(), AppError>) {
         error: None,
         hidden: false,
         retry_at: None,
+        begun: None,
         recovered: None,
         modifiers: ModifiersState::empty(),
     };
@@ -195,6 +197,8 @@ struct App {
     hidden: bool,
     /// Set while the window has nothing to draw to.
     retry_at: Option<Instant>,
+    /// What was chosen when the window opened.
+    begun: Option<Settings>,
     /// When a lost device was last used anew.
     recovered: Option<Instant>,
     /// Keys that are held beside others.
@@ -220,7 +224,7 @@ impl App {
     /// After its device is lost the window goes on with it anew, where it was; unless it was lost a moment ago, too.
     fn recover(&mut self, events: &ActiveEventLoop, error: AppError) {
         let again = self.recovered.is_some_and(|at| at.elapsed() < LASTING);
-        if !error.is_lost_device() || again {
+        if !error.is_lost_device() || again || self.options.stand.is_some() {
             return self.fail(events, error);
         }
         let Some(mut flight) = self.flight.take() else { return };
@@ -277,9 +281,8 @@ impl App {
                     flight.panel.board.take(route);
                     format!("{name} is the path now")
                 }),
-                PathWish::Film(name) => {
-                    whole(flight).and_then(|()| host.film(name, &flight.panel.board.route(), &flight.film_view()))
-                }
+                PathWish::Film(name) => whole(flight)
+                    .and_then(|()| host.film(&self.options.file, name, &flight.panel.board.route(), &flight.film_view())),
                 PathWish::Take(_) | PathWish::Visit(_) => Ok(String::new()),
             };
             let said = said.unwrap_or_else(|problem| problem);
@@ -296,9 +299,24 @@ impl App {
         }
     }
 
-    /// Flies over another planet.
+    /// Flies to a view, or over another planet.
     fn open_other(&mut self, what: &str) {
         let (Some(flight), host) = (&mut self.flight, &mut self.options.host) else { return };
+        flight.touch();
+        if flight.scene.edits().is_busy() {
+            return flight.panel.say("the ground is being changed: wait for it, and open it then".to_owned());
+        }
+        let view = match host.view(what) {
+            Ok(view) => view,
+            Err(problem) => return flight.panel.say(problem),
+        };
+        let elsewhere =
+            view.as_ref().and_then(|view| view.planet.clone()).filter(|name| *name != flight.scene.planet().recipe.name);
+        let what = match (&view, &elsewhere) {
+            (Some(view), None) => return flight.show_view(view),
+            (_, Some(planet)) => planet,
+            (None, None) => what,
+        };
         let opened = host.open(what).and_then(|opened| flight.open(&opened).map_err(|error| error.to_string()).map(|()| opened));
         match opened {
             Ok(opened) => {
@@ -306,6 +324,7 @@ impl App {
                 self.options.settings.note_opened(&opened.name);
                 flight.panel.recent = self.options.settings.recent.clone();
                 flight.panel.say(format!("over {}", flight.scene.planet().recipe.name));
+                view.iter().for_each(|view| flight.show_view(view));
             }
             Err(problem) => flight.panel.say(problem),
         }
@@ -332,7 +351,9 @@ impl App {
         let combined = self.modifiers.intersects(ModifiersState::CONTROL | ModifiersState::ALT | ModifiersState::SUPER);
         flight.viewer.held.set(event.physical_key, down && !combined);
         flight.touch_interface();
-        let command = flight.viewer.keys.command(event.physical_key, &event.logical_key, self.modifiers).filter(|_| down);
+        let moves = flight.viewer.manner() != Manner::Orbit;
+        let keys = &flight.viewer.keys;
+        let command = keys.command(event.physical_key, &event.logical_key, self.modifiers, moves).filter(|_| down);
         // Holding a key repeats only what is gradual.
         let repeats = matches!(command, Some(Command::Sun(_) | Command::Zoom(_)));
         if let Some(command) = command.filter(|_| repeats || !event.repeat) {
@@ -344,6 +365,9 @@ impl App {
         let Some(flight) = &mut self.flight else { return };
         if let WindowEvent::MouseInput { state, button: MouseButton::Left, .. } = event {
             flight.work_ground(*state == ElementState::Pressed);
+        }
+        if matches!(event, WindowEvent::MouseInput { .. } | WindowEvent::MouseWheel { .. }) {
+            flight.stop_playing();
         }
         let (now, surface) = (Instant::now(), &DrawnSurface::of_scene(&flight.scene, flight.choices.look.sea));
         match event {
@@ -383,6 +407,7 @@ impl ApplicationHandler for App {
                 flight.panel.set_bookmarks(host.bookmarks());
                 flight.panel.planets = host.planets();
                 flight.panel.recent = self.options.settings.recent.clone();
+                self.begun = Some(flight.settings());
                 self.flight = Some(flight);
             }
             Err(error) => self.fail(events, error),
@@ -393,6 +418,13 @@ impl ApplicationHandler for App {
         if event != WindowEvent::RedrawRequested {
             if let Some(flight) = &mut self.flight {
                 flight.touch_interface();
+                // A key may be let go of while text is typed.
+                if let WindowEvent::KeyboardInput {
+                    event: KeyEvent { physical_key, state: ElementState::Released, .. }, ..
+                } = &event
+                {
+                    flight.viewer.held.set(*physical_key, false);
+                }
                 let pasted = flight.interface.is_typing() && is_paste(&event, self.modifiers);
                 if pasted {
                     self.options.host.paste().into_iter().for_each(|text| flight.interface.paste(text));
@@ -457,8 +489,11 @@ impl ApplicationHandler for App {
         let log = flight.context.message_log();
         (self.report.frames, self.report.seconds) = flight.pace();
         self.report.rows = flight.rows();
-        if let Err(problem) = self.options.host.keep(&flight.settings()) {
-            tracing::warn!("{problem}");
+        if let (Some(begun), None) = (&self.begun, self.options.stand) {
+            let settings = self.options.settings.clone().with_changes(begun, &flight.settings());
+            if let Err(problem) = self.options.host.keep(&settings) {
+                tracing::warn!("{problem}");
+            }
         }
         drop(flight);
         self.report.messages.extend(log.all());

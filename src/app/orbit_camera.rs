@@ -116,6 +116,8 @@ impl OrbitCamera {
         let part = self.zoom * (1.0 - (-ZOOM_RATE * seconds).exp());
         self.zoom -= part;
         let grip = Grip::at(pose, lens, pixel, surface);
+        // Ground may have risen since the last step.
+        pose.keep_above(surface);
         let radius = surface.radius(pose.up());
         let old = pose.altitude(surface);
         let new = (old * part.exp()).min(HIGHEST * radius);
@@ -181,6 +183,23 @@ mod tests {
             assert!(held.distance(seen) * RADIUS < 1e-6 * altitude_m, "{altitude_m}: {}", held.distance(seen) * RADIUS);
             assert!((viewer.altitude(&Ball) - altitude_m).abs() < 1e-6 * altitude_m);
         }
+    }
+
+    #[test]
+    fn a_zoom_goes_on_over_ground_that_rises_above_the_viewer() {
+        struct Risen;
+        impl Surface for Risen {
+            fn radius(&self, _: DVec3) -> f64 {
+                RADIUS + 50.0
+            }
+            fn meet(&self, _: DVec3, _: DVec3) -> Option<DVec3> {
+                None
+            }
+        }
+        let (mut viewer, mut camera) = (pose(20.0, 0.0, -10.0), OrbitCamera::default());
+        camera.wheel(-5.0);
+        camera.step(&mut viewer, &LENS, [400.0, 300.0], 0.05, &Risen);
+        assert!(viewer.pitch.is_finite() && viewer.altitude(&Risen) >= CLEARANCE_M - 1e-6, "{viewer:?}");
     }
 
     #[test]

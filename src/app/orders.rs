@@ -16,7 +16,7 @@ use crate::frame::{sun_over, sun_seen_from, Look};
 use crate::scene::EditRequest;
 use glam::DQuat;
 use terrane_planet::draw::camera_path::{Keyframe, Waypoint};
-use terrane_planet::draw::layout::Mode;
+use terrane_planet::draw::layout::{Mode, Tone};
 use terrane_planet::draw::view::{local_frame, Camera};
 use terrane_planet::draw::view_line::{Daylight, Exposure, Stand, ViewLine};
 use terrane_planet::globe::sphere::direction_at;
@@ -37,13 +37,14 @@ impl Flight {
         match command {
             Command::Quit | Command::CopyView => {}
             Command::Bookmark => self.screenshot = Some(Screenshot::Bookmark),
-            Command::Help => self.panel.help = !self.panel.help,
-            Command::Panel => self.panel.open = !self.panel.open,
+            Command::Help => self.panel.toggle_help(),
+            Command::Panel => self.panel.toggle(),
             Command::Hide => self.panel.hidden = !self.panel.hidden,
             Command::GoTo => self.panel.ask_where(),
             Command::SwitchCamera => self.viewer.set_manner(self.viewer.manner().next()),
-            Command::Home => self.viewer.fly_to(self.home, surface),
+            Command::Home => self.fly_to(self.home),
             Command::North => {
+                self.playback = None;
                 let mut pose = self.viewer.pose;
                 pose.head(0.0);
                 self.viewer.turn_to(pose, surface);
@@ -55,6 +56,7 @@ impl Flight {
                 self.viewer.turn_to(Pose::new(pose.position, pose.ahead, -dip), surface);
             }
             Command::Back | Command::Forward => {
+                self.playback = None;
                 if !self.viewer.revisit(command == Command::Back, surface) {
                     self.panel.say("no place to go to: double click, or go to one first".to_owned());
                 }
@@ -151,6 +153,7 @@ impl Flight {
         match self.panel.board.path(self.scene.planet().recipe.radius) {
             Ok(path) => {
                 let playback = Playback::new(path, None);
+                self.viewer.rest();
                 self.playback = Some(playback.lit(self.viewer.pose.up(), self.choices.look.sun));
             }
             Err(error) => {
@@ -162,14 +165,13 @@ impl Flight {
 
     /// Does what is asked for with the path, other than what the host does.
     pub(super) fn follow_path_wish(&mut self, wish: &PathWish) {
-        let surface = &DrawnSurface::of_scene(&self.scene, self.choices.look.sea);
         match wish {
             PathWish::Take(journey) => self.panel.board.take(self.scene.planet().journey(*journey)),
             PathWish::Visit(at) => {
                 let Some(keyframe) = self.panel.board.keyframes().get(*at) else { return };
                 let camera = self.scene.planet().camera_at(keyframe, self.viewer.lens.size);
                 self.viewer.lens.fov = camera.fov;
-                self.viewer.fly_to(Pose::of_camera(&camera), surface);
+                self.fly_to(Pose::of_camera(&camera));
             }
             PathWish::Save(_) | PathWish::Load(_) | PathWish::Film(_) => {}
         }
@@ -187,7 +189,14 @@ impl Flight {
         view
     }
 
+    /// Who does something themselves has seen enough of the path; one that is reported goes on.
+    pub(super) fn stop_playing(&mut self) {
+        self.playback = self.playback.take().filter(Playback::is_reported);
+    }
+
     fn edit(&mut self, request: EditRequest) {
+        // A frozen selection takes in nothing.
+        self.selection = Selection::Follows;
         if let Err(error) = self.scene.edit(request) {
             self.panel.say(error.to_string());
         }
@@ -222,16 +231,17 @@ impl Flight {
         let planet = self.scene.planet();
         let (direction, radius) = (direction_at(site.at[0], site.at[1]), planet.recipe.radius);
         let usual = || self.viewer.altitude(&self.surface()).min(ARRIVAL * radius);
-        let height = planet.surface_height(direction) + site.altitude_m.unwrap_or_else(usual);
-        let position = direction * (radius + height);
+        let altitude = site.altitude_m.unwrap_or_else(usual);
+        let position = planet.position_above(direction, altitude);
         let lens = self.viewer.lens;
         self.fly_to(match site.look {
             Some([heading, pitch]) => Pose::of_camera(&Camera::looking(position, heading, pitch, lens.fov, lens.size)),
-            None => Pose::new(position, local_frame(position).y_axis, resting_pitch(height, radius)),
+            None => Pose::new(position, local_frame(position).y_axis, resting_pitch(altitude, radius)),
         });
     }
 
     fn fly_to(&mut self, pose: Pose) {
+        self.stop_playing();
         self.viewer.fly_to(pose, &DrawnSurface::of_scene(&self.scene, self.choices.look.sea));
         self.touch();
     }
@@ -240,19 +250,17 @@ impl Flight {
     pub(super) fn show_view(&mut self, view: &ViewLine) {
         let planet = self.scene.planet();
         if view.planet.as_ref().is_some_and(|name| *name != planet.recipe.name) {
-            // Its planet is opened first.
+            // Its planet is opened first, if it is one by that name.
             self.asked.open = Some(view.to_string());
             return;
         }
         let direction = direction_at(view.at[0], view.at[1]);
-        let height = match view.stand {
-            Stand::Height(metres) => metres,
-            Stand::Altitude(metres) => planet.surface_height(direction) + metres,
-        };
-        let position = direction * (planet.recipe.radius + height);
+        let position = planet.position_of(direction, view.stand);
         self.viewer.lens.fov = view.fov.map_or(self.viewer.lens.fov, f64::to_radians);
         let lens = self.viewer.lens;
-        let [heading, pitch] = view.look.unwrap_or([0.0, resting_pitch(height, planet.recipe.radius).to_degrees()]);
+        let [heading, pitch] = view.look.unwrap_or_else(|| {
+            [0.0, resting_pitch(planet.altitude_of(direction, view.stand), planet.recipe.radius).to_degrees()]
+        });
         let tilt = planet.recipe.axial_tilt;
         let look = &mut self.choices.look;
         look.sun = match view.daylight {
@@ -266,7 +274,7 @@ impl Flight {
             None => {}
         }
         look.mode = view.mode.unwrap_or(Mode::Shaded);
-        look.tone = view.tone.unwrap_or(look.tone);
+        look.tone = view.tone.unwrap_or(Tone::Neutral);
         (look.clouds, look.sea, look.air, look.shadows) = (!view.clear_sky, !view.no_sea, !view.no_air, !view.no_shadows);
         self.choices.geomorphs = !view.no_geomorphs;
         self.choices.orientation = view.orientation;
@@ -287,6 +295,7 @@ impl Flight {
             scale: self.choices.budget,
             ..self.choices
         };
+        self.follow_scale();
         self.touch();
     }
 }

@@ -2,6 +2,7 @@
 //!
 //! In: a scene and a camera. Out: lines in pixels. They are not hidden by the ground, only by the planet's round.
 
+use super::surface::{DrawnSurface, Surface};
 use crate::scene::Scene;
 use egui::Color32;
 use glam::DVec3;
@@ -13,12 +14,12 @@ use terrane_planet::globe::sphere::direction;
 /// Parts that a patch's side is drawn in; a power of two.
 const PARTS: u32 = 8;
 /// Parts that a camera path is drawn in.
-const PATH_PARTS: u32 = 400;
+const PATH_PARTS: u32 = 200;
 /// Most patches whose borders are drawn.
 const MOST_PATCHES: usize = 1500;
 /// How far a frustum's edges reach that meet no ground, in distances from its camera to the planet's centre.
 const REACH: f64 = 2.0;
-/// Metres, and a share of the distance, by which lines float above the ground.
+/// Metres by which lines float above the ground.
 const LIFT: f64 = 0.5;
 
 /// Points in pixels, joined in order.
@@ -51,6 +52,7 @@ pub(super) fn project(camera: &Camera, point: DVec3) -> Option<[f32; 2]> {
 /// Collects lines of a picture.
 pub(super) struct Outlines<'a> {
     scene: &'a Scene,
+    surface: DrawnSurface<'a>,
     camera: Camera,
     /// Cosine of the angle at the planet's centre beyond which a ball of its radius hides what is on it.
     horizon: f64,
@@ -58,12 +60,13 @@ pub(super) struct Outlines<'a> {
 }
 
 impl<'a> Outlines<'a> {
-    pub(super) fn new(scene: &'a Scene, camera: Camera) -> Outlines<'a> {
+    /// Over the sea, or its floor.
+    pub(super) fn new(scene: &'a Scene, wet: bool, camera: Camera) -> Outlines<'a> {
         let (lowest, highest) = scene.planet().terrain.height_range();
         let (radius, highest) = (scene.planet().recipe.radius + lowest, highest - lowest);
         let dip = |height: f64| (radius / (radius + height.max(1.0))).min(1.0).acos();
         let horizon = (dip(camera.position.length() - radius) + dip(highest)).cos();
-        Outlines { scene, camera, horizon, lines: Vec::new() }
+        Outlines { scene, surface: DrawnSurface::of_scene(scene, wet), camera, horizon, lines: Vec::new() }
     }
 
     /// The border of a patch, on the ground that is drawn.
@@ -136,10 +139,7 @@ impl<'a> Outlines<'a> {
         if direction.dot(self.camera.position.normalize()) < self.horizon {
             return None;
         }
-        let recipe = &self.scene.planet().recipe;
-        let height = self.scene.ground().height_at(direction).unwrap_or(0.0);
-        let sea = recipe.sea.as_ref().map_or(f64::MIN, |sea| sea.level_m);
-        project(&self.camera, direction * (recipe.radius + height.max(sea) + LIFT))
+        project(&self.camera, direction * (self.surface.radius(direction) + LIFT))
     }
 
     /// A straight line, cut where it comes before the camera.

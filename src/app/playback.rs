@@ -77,6 +77,11 @@ impl Playback {
         !self.arrived
     }
 
+    /// Whether its frames are reported.
+    pub(super) fn is_reported(&self) -> bool {
+        self.stand.is_some()
+    }
+
     /// Whether nothing comes after its end, and it has come there.
     pub(super) fn is_over(&self) -> bool {
         self.stand.is_none() && self.arrived

@@ -16,6 +16,8 @@ impl Flight {
     /// What is seen, as text that shows it elsewhere.
     pub(super) fn view_line(&self) -> ViewLine {
         let line = ViewLine {
+            // The ground may have been edited since the planet was opened.
+            recipe: Some(self.scene.planet().header().checksum()),
             time: Some(self.renderer.time),
             no_geomorphs: !self.choices.geomorphs,
             orientation: self.choices.orientation,
@@ -74,7 +76,7 @@ impl Flight {
 
     /// Lines over the picture.
     fn lines(&self) -> Vec<Line> {
-        let mut outlines = Outlines::new(&self.scene, self.viewer.pose.camera(&self.viewer.lens));
+        let mut outlines = Outlines::new(&self.scene, self.choices.look.sea, self.viewer.pose.camera(&self.viewer.lens));
         if let (Some(frozen), Selection::Frozen) = (&self.frozen, self.selection) {
             outlines.add_frozen(frozen);
         }
@@ -87,7 +89,9 @@ impl Flight {
         if let Some(site) = self.viewer.site_under_cursor(&self.surface()).filter(|_| tool.held) {
             outlines.add_circle(site, tool.radius_m, Color32::from_rgb(255, 170, 60));
         }
-        if let (None, Ok(path)) = (&self.playback, self.panel.board.path(self.scene.planet().recipe.radius)) {
+        if let (true, None, Ok(path)) =
+            (self.panel.open, &self.playback, self.panel.board.path(self.scene.planet().recipe.radius))
+        {
             outlines.add_path(&path);
         }
         outlines.lines

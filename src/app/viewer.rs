@@ -156,7 +156,7 @@ impl Viewer {
     }
 
     /// Ends all motion.
-    fn rest(&mut self) {
+    pub(super) fn rest(&mut self) {
         self.orbit = OrbitCamera::default();
         self.flight = FlyCamera::default();
         self.walk = WalkCamera::default();

@@ -10,7 +10,7 @@ use super::supply::Supply;
 use super::{Scene, SceneError};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{channel, Receiver, RecvTimeoutError};
+use std::sync::mpsc::{channel, Receiver, RecvTimeoutError, TryRecvError};
 use std::sync::Arc;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
@@ -161,7 +161,13 @@ impl Edits {
 
     /// Takes in what became of the patches that the file is to get back.
     fn take_finished(&mut self) {
-        let Some(finished) = self.finisher.as_ref().and_then(|finisher| finisher.news.try_recv().ok()) else { return };
+        let finished = match self.finisher.as_ref().map(|finisher| finisher.news.try_recv()) {
+            None | Some(Err(TryRecvError::Empty)) => return,
+            Some(Ok(finished)) => finished.map_err(|error| error.to_string()),
+            Some(Err(TryRecvError::Disconnected)) => {
+                Err("the thread that builds patches has stopped; please report this".to_owned())
+            }
+        };
         let Some(Finisher { file, thread, .. }) = self.finisher.take() else { return };
         self.retired.push(thread);
         if let Err(error) = finished {

@@ -186,10 +186,8 @@ impl Scene {
         let (cells, slots) = if options.textures { (planet.cells, capacity) } else { (MIN_CELLS, 1) };
         let textures = TexturePool::new(context, cells, slots)?;
         let around = Arc::new(KnownSurroundings::default());
+        let scope = options.scope;
         let loader = supply.loader(&planet, keeper.as_ref(), &around)?;
-        if options.scope == Scope::Flight {
-            loader.step_back();
-        }
         // The workers read the first patches while the clouds are made.
         let parts = Parts { mesh: true, texture: options.textures && line.is_none() };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(parts, None), 0.0)).collect());
@@ -222,7 +220,7 @@ impl Scene {
             mesh_bytes: 0,
             most_mesh_bytes,
             has_textures: options.textures,
-            scope: options.scope,
+            scope,
             is_far: line.is_some(),
             frame: 0,
             settled: false,
@@ -232,6 +230,10 @@ impl Scene {
         while scene.resident.len() < 6 {
             let arrived = scene.loader.wait(LONGEST_WAIT)?;
             scene.upload(arrived)?;
+        }
+        // From the first picture on frames go before what is built for the next.
+        if scope == Scope::Flight {
+            scene.loader.step_back();
         }
         Ok(scene)
     }

@@ -9,8 +9,8 @@ use egui::{CollapsingHeader, Slider, Ui};
 use terrane_planet::draw::layout::Mode;
 use terrane_planet::draw::view::TOLERANCE_RANGE;
 
-/// The densities that can be chosen.
-const DENSITIES: std::ops::RangeInclusive<f64> = 0.25..=1.0;
+/// The scales that can be chosen.
+const SCALES: std::ops::RangeInclusive<f64> = 0.25..=1.0;
 
 pub(super) fn show(ui: &mut Ui, facts: &Facts, choices: &mut Choices, asked: &mut Asked) {
     CollapsingHeader::new("Mesh").default_open(false).show(ui, |ui| {
@@ -29,7 +29,7 @@ pub(super) fn show(ui: &mut Ui, facts: &Facts, choices: &mut Choices, asked: &mu
             choices.scale = if automatic { choices.budget } else { Scale::Fixed(1.0) };
         }
         if let Scale::Fixed(density) = &mut choices.scale {
-            ui.add(Slider::new(density, DENSITIES).text("scale"));
+            ui.add(Slider::new(density, SCALES).text("scale"));
         }
         let words = if facts.frozen { "Thaw the selection" } else { "Freeze the selection" };
         if ui.button(words).on_hover_text("to look at its mesh from elsewhere").clicked() {

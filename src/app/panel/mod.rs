@@ -132,6 +132,18 @@ impl Panel {
         }
     }
 
+    /// Shows the help, or no longer.
+    pub(super) fn toggle_help(&mut self) {
+        self.help = !self.help || self.hidden;
+        self.hidden = false;
+    }
+
+    /// Shows the panel, or no longer.
+    pub(super) fn toggle(&mut self) {
+        self.open = !self.open || self.hidden;
+        self.hidden = false;
+    }
+
     /// Says something for a while.
     pub(super) fn say(&mut self, message: String) {
         self.message = Some((message, Instant::now()));
@@ -166,8 +178,8 @@ impl Panel {
         if self.message.as_ref().is_some_and(|(_, since)| since.elapsed() >= MESSAGE_TIME) {
             self.message = None;
         }
-        inspected::draw(ctx, &facts.lines);
         if !self.hidden {
+            inspected::draw(ctx, &facts.lines);
             if facts.picked.as_ref().is_some_and(|picked| !inspected::show(ctx, picked)) {
                 asked.commands.push(Command::Inspect);
             }
@@ -196,7 +208,7 @@ impl Panel {
                 ui.spacing_mut().slider_width = 110.0;
                 position::show(ui, facts, asked);
                 frames::show(ui, facts, &self.times);
-                light::show(ui, facts, choices, asked);
+                light::show(ui, facts, choices);
                 mesh::show(ui, facts, choices, asked);
                 paths::show(ui, facts, &mut self.board, &mut self.form, asked);
                 ground::show(ui, facts, &mut self.tool, asked);

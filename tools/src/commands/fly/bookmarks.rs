@@ -8,7 +8,7 @@ use std::io::BufReader;
 use std::path::{Path, PathBuf};
 use terrane::app::{Bookmark, Picture};
 
-/// Characters of a name that stand for themselves in a file's; others become underscores.
+/// Most characters of a name.
 const LONGEST_NAME: usize = 80;
 
 /// The folder.
@@ -42,7 +42,9 @@ impl Shelf {
 
     /// Takes a view away.
     pub(super) fn remove(&self, name: &str) -> anyhow::Result<()> {
-        let path = self.0.join(format!("{}.png", file_name(name)));
+        // Names of what is there come from its files, and lead nowhere else.
+        let path = self.0.join(format!("{name}.png"));
+        ensure!(path.parent() == Some(self.0.as_path()), "'{name}' is no name of a view");
         std::fs::remove_file(&path).with_context(|| format!("cannot remove {}", path.display()))
     }
 }

@@ -42,7 +42,8 @@ impl CommandHost {
 
     /// Where a path of a name is saved: beside the pictures.
     fn path_file(&self, name: &str) -> PathBuf {
-        self.screenshots.join(format!("{}.json", file_name(name)))
+        let name = Some(file_name(name)).filter(|name| !name.is_empty()).unwrap_or("path".to_owned());
+        self.screenshots.join(format!("{name}.json"))
     }
 
     /// Finds a planet, and where to begin over it: as a view says, or as the command does.
@@ -58,7 +59,7 @@ impl CommandHost {
         note_planet(&mut line, &planet);
         draw.note(&mut line, Exposure::Auto);
         let opened = Opened {
-            name: what.map_or_else(|| planet.recipe.name.to_lowercase(), |what| what.display().to_string()),
+            name: what.map_or_else(|| planet.recipe.name.to_lowercase(), lasting_name),
             file: place.path().to_owned(),
             camera: camera.camera(&planet)?,
             look: draw.look.look(&planet.recipe, camera.site(&planet.recipe)?, Exposure::Auto),
@@ -116,12 +117,11 @@ impl Host for CommandHost {
         Ok(route)
     }
 
-    fn film(&mut self, name: &str, route: &Route, view: &ViewLine) -> Result<String, String> {
+    fn film(&mut self, planet: &Path, name: &str, route: &Route, view: &ViewLine) -> Result<String, String> {
         if self.filming.is_some() {
             return Err("a film is being drawn already: wait for it".to_owned());
         }
         self.save_path(name, route)?;
-        let planet = self.places.last().ok_or("no planet is open")?.path();
         let film = Filming::begin(planet, &self.path_file(name), view).map_err(|error| format!("no film: {error:#}"))?;
         let what = if film.out.is_dir() { "there is no ffmpeg: single pictures are drawn into" } else { "a film is drawn:" };
         let said = format!("{what} {}", film.out.display());
@@ -143,13 +143,16 @@ impl Host for CommandHost {
         shipped::names().map(str::to_owned).collect()
     }
 
-    fn open(&mut self, what: &str) -> Result<Opened, String> {
+    fn view(&mut self, what: &str) -> Result<Option<ViewLine>, String> {
         let is_picture = Path::new(what).extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png"));
-        if what.starts_with(SCHEME) || is_picture {
-            let view = given(what)?;
-            return self.find(None, Some(&view)).map(|(opened, _)| opened).map_err(|error| format!("{error:#}"));
+        if what.trim_start().starts_with(SCHEME) || is_picture {
+            return given(what).map(Some);
         }
-        // The camera that the command line asks for is over another planet.
+        Ok(None)
+    }
+
+    fn open(&mut self, what: &str) -> Result<Opened, String> {
+        // Where the command began is over another planet.
         self.camera = self.camera.of_whole_planet();
         self.find(Some(Path::new(what)), None).map(|(opened, _)| opened).map_err(|error| format!("{error:#}"))
     }
@@ -165,4 +168,10 @@ fn save(folder: &Path, picture: &Picture, view: &ViewLine) -> anyhow::Result<Str
     let path = paths.find(|path| !path.exists()).unwrap_or_else(|| folder.join("terrane.png"));
     pictures::write_png(&path, picture.size, &picture.rgba, Some(view)).context("a picture of the window")?;
     Ok(format!("saved {}", path.display()))
+}
+
+/// What a planet can be opened by from any folder.
+fn lasting_name(what: &Path) -> String {
+    let file = Some(what).filter(|what| what.is_file()).and_then(|what| what.canonicalize().ok());
+    file.as_deref().unwrap_or(what).display().to_string()
 }

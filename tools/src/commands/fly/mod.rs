@@ -44,8 +44,10 @@ pub(crate) struct Fly {
     camera: CameraOptions,
     /// Pixels drawn along a side for each of the window's: always so many, or, with `auto`, as many as keep to `--frame-ms` while the
     /// viewer moves, and all of them once they stand still.
-    #[arg(long, value_name = "auto|0.25..1", default_value = "auto", value_parser = scale)]
-    scale: Automatic,
+    ///
+    /// As in the last window, if nothing is said.
+    #[arg(long, value_name = "auto|0.25..1", value_parser = scale)]
+    scale: Option<Automatic>,
     /// Milliseconds that a moving frame may take before fewer pixels are drawn; 80 on software renderers unless told otherwise, and no
     /// limit on others.
     #[arg(long, value_name = "MS", value_parser = positive)]
@@ -64,10 +66,13 @@ pub(crate) struct Fly {
     keys: bool,
     #[command(flatten)]
     draw: DrawOptions,
-    /// Folder for the pictures that P and F12 save.
+    /// Folder for what the window saves: pictures, paths and films.
     #[arg(long, value_name = "FOLDER", default_value = ".")]
     screenshots: PathBuf,
 }
+
+/// Pixels that can be drawn along a side for each of the window's.
+const SCALES: std::ops::RangeInclusive<f64> = 0.25..=1.0;
 
 /// A scale as it is given: a number, or none for `auto`.
 #[derive(Clone, Copy, Debug)]
@@ -76,7 +81,7 @@ struct Automatic(Option<f64>);
 fn scale(text: &str) -> anyhow::Result<Automatic> {
     match text.parse::<f64>() {
         _ if text == "auto" => Ok(Automatic(None)),
-        Ok(scale) if (0.25..=1.0).contains(&scale) => Ok(Automatic(Some(scale))),
+        Ok(scale) if SCALES.contains(&scale) => Ok(Automatic(Some(scale))),
         _ => bail!("'{text}' is neither 'auto' nor a number from 0.25 to 1"),
     }
 }
@@ -98,8 +103,6 @@ impl Run for Fly {
         check_output("--screenshots", &self.screenshots, Output::Folder)?;
         let mut settings = settings::load();
         self.choose(&settings);
-        let seen = self.view.as_ref().filter(|line| line.planet.is_some());
-        let given = self.file.as_deref().or(if seen.is_none() { Some(Path::new(USUAL)) } else { None });
         let mut host = CommandHost {
             screenshots: self.screenshots.clone(),
             draw: self.draw.clone(),
@@ -109,13 +112,19 @@ impl Run for Fly {
             filming: None,
             clipboard: None,
         };
+        if let Some(line) = &self.view {
+            self.camera.take(line);
+            self.draw.take(line);
+        }
+        let seen = self.view.as_ref().filter(|line| line.planet.is_some());
+        let given = self.file.as_deref().or(if seen.is_none() { Some(Path::new(USUAL)) } else { None });
         let path = self.path.as_deref().map(GivenPath::read).transpose()?;
         let (opened, planet) = host.find(given, self.view.as_ref())?;
         settings.note_opened(&opened.name);
         let path = path.map(|path| path.over(&planet)).transpose()?;
         let (report, ended) = fly(FlyOptions {
             file: opened.file,
-            scale: self.scale.0.or(settings.scale).map(Scale::Fixed).or(self.frame_ms.map(Scale::Within)),
+            scale: self.scale(&settings),
             most_fps: self.max_fps,
             keys,
             path,
@@ -143,17 +152,27 @@ impl Run for Fly {
 }
 
 impl Fly {
-    /// Takes from the view what was not given, and from the settings what neither says.
+    /// Takes from the settings what was not given. A view says all there is to say.
     fn choose(&mut self, settings: &Settings) {
-        let mut usual = ViewLine::from_site([0.0; 2], Stand::Height(0.0));
-        usual.no_geomorphs = !settings.geomorphs && self.view.is_none();
-        usual.tone = settings.tone.as_ref().and_then(|name| Tone::ALL.into_iter().find(|tone| tone.name() == name));
-        if let Some(line) = &self.view {
-            self.camera.take(line);
-            self.draw.take(line);
+        if self.view.is_some() {
+            return;
         }
+        let mut usual = ViewLine::from_site([0.0; 2], Stand::Height(0.0));
+        usual.no_geomorphs = !settings.geomorphs;
+        usual.tone = settings.tone.as_ref().and_then(|name| Tone::ALL.into_iter().find(|tone| tone.name() == name));
         self.draw.take(&usual);
         self.camera.choose_error(settings.tolerance);
+    }
+
+    /// How many pixels are drawn: as the options say, else as the settings do.
+    fn scale(&self, settings: &Settings) -> Option<Scale> {
+        let kept = || settings.scale.filter(|scale| SCALES.contains(scale)).map(Scale::Fixed);
+        match (self.scale, self.frame_ms) {
+            (Some(Automatic(Some(scale))), _) => Some(Scale::Fixed(scale)),
+            (_, Some(ms)) => Some(Scale::Within(ms)),
+            (Some(Automatic(None)), None) => None,
+            (None, None) => kept(),
+        }
     }
 }
 
