@@ -28,12 +28,20 @@ pub enum VulkanError {
         reasons: Vec<String>,
     },
     /// The GPU that was asked for does not exist or is not usable.
-    #[error("no usable GPU matches `{wanted}`; there are:\n{}", .available.join("\n"))]
+    #[error("no usable GPU matches `{wanted}`; ask for the number, the UUID or part of the name of one of these:\n{}", .available.join("\n"))]
     NoSuchGpu {
-        /// The index or part of a name that was asked for.
+        /// The index, part of a name or beginning of a UUID that was asked for.
         wanted: String,
         /// One line per device.
         available: Vec<String>,
+    },
+    /// What was asked for fits several GPUs.
+    #[error("`{wanted}` fits several GPUs; ask for the number or UUID of one of these:\n{}", .fitting.join("\n"))]
+    SeveralGpus {
+        /// The part of a name or the beginning of a UUID that was asked for.
+        wanted: String,
+        /// One line for each device that fits.
+        fitting: Vec<String>,
     },
     /// Compute pipelines of the GPU cannot have subgroups of the size that was asked for.
     #[error(

@@ -101,6 +101,39 @@ fn the_gpus_are_listed() {
     let first = &json["gpus"][0];
     assert_eq!((&first["index"], first["name"].is_string(), first["usable"].is_boolean()), (&0.into(), true, true), "{json}");
     assert!(first["api_version"].as_str().unwrap().starts_with("1."));
+    let uuid = first["uuid"].as_str().unwrap();
+    assert_eq!(uuid.split('-').map(str::len).collect::<Vec<_>>(), [8, 4, 4, 4, 12], "{uuid}");
+    let said = command(&["gpus"]).output().unwrap();
+    assert!(text(&said.stdout).contains(&format!("UUID {uuid}")), "{}", text(&said.stdout));
+}
+
+/// The GPU that is taken unless told otherwise.
+fn usual_gpu() -> Value {
+    let output = command(&["gpus", "--json"]).output().unwrap();
+    let json: Value = serde_json::from_slice(&output.stdout).unwrap();
+    let order = ["discrete", "integrated", "virtual", "cpu", "other"];
+    let rank = |gpu: &&Value| order.iter().position(|kind| gpu["kind"] == *kind);
+    json["gpus"].as_array().unwrap().iter().filter(|gpu| gpu["usable"] == true).min_by_key(rank).unwrap().clone()
+}
+
+#[test]
+fn software_that_nobody_asked_for_is_named_once() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let planet = folder.path().join("tiny.planet");
+    bake_tiny(&planet, None);
+    let gpu = usual_gpu();
+    let lines = |chosen: &[&str]| {
+        let mut command = command(&["verify", "--views", "1"]);
+        let output = command.args(chosen).arg(&planet).output().unwrap();
+        assert!(output.status.success(), "{chosen:?}: {}", text(&output.stderr));
+        text(&output.stderr).lines().filter(|line| line.contains("the software renderer") && line.contains("--gpu")).count()
+    };
+    assert_eq!(lines(&[]), usize::from(gpu["kind"] == "cpu"), "{gpu}");
+    assert_eq!(lines(&["--gpu", gpu["uuid"].as_str().unwrap()]), 0, "{gpu}");
+    assert_eq!(lines(&["--gpu", &gpu["index"].to_string()]), 0, "{gpu}");
 }
 
 #[test]

@@ -2,13 +2,14 @@
 
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
 
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
 
+use super::choice::GpuChoice;
 use super::features::{Extras, Features};
-use super::gpu::{choose, Gpu, GpuChoice, GpuInfo, GpuKind};
+use super::gpu::{choose, Gpu, GpuInfo, GpuKind};
 use super::instance::Instance;
 use super::memory::allocation_error;
 use super::messages::{MessageLog, ValidationMessage};
@@ -31,6 +32,21 @@ pub struct ContextOptions {
 
 /// Samples a pixel, unless told otherwise.
 const DEFAULT_SAMPLES: u32 = 4;
+
+/// Whether this process said that it draws in software. Not in a context, because it is said once, however many contexts a command makes;
+/// nothing but the words depends on it.
+static SOFTWARE_SAID: Once = Once::new();
+
+/// Says that a software renderer was taken that nobody asked for: who has a GPU is to know that its driver is missing.
+fn warn_of_software(gpu: &GpuInfo) {
+    SOFTWARE_SAID.call_once(|| {
+        tracing::warn!(
+            "the software renderer {} draws, slowly, because no usable GPU was found; `terrane gpus` says why, `--gpu {}` asks for it",
+            gpu.name,
+            gpu.index
+        );
+    });
+}
 
 /// A Vulkan device with one queue; shared by everything that is created on it.
 pub struct Context {
@@ -72,6 +88,9 @@ impl Context {
 
     fn on_instance(instance: Arc<Instance>, surface: Option<vk::SurfaceKHR>, options: &ContextOptions) -> Result<Arc<Self>> {
         let mut gpu = choose(&instance, surface, &options.gpu)?;
+        if options.gpu == GpuChoice::Auto && gpu.info.kind == GpuKind::Cpu {
+            warn_of_software(&gpu.info);
+        }
         if let Some(size) = options.subgroup_size {
             gpu.info.subgroup_size = subgroup_size(&gpu.info, size)?;
         }

@@ -1,24 +1,13 @@
-//! The GPUs of this machine: what they are, whether they will do, and which one to take.
+//! The GPUs of this machine: what they are, and whether they will do. `choice.rs` says which one to take.
 
 use std::ffi::CStr;
 
 use ash::{khr, vk};
 
+use super::choice::{pick, GpuChoice};
 use super::features::{missing_features, Extras};
 use super::instance::Instance;
-use crate::vulkan::error::{api, Result, VulkanError};
-
-/// Which GPU to use.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub enum GpuChoice {
-    /// The best usable one: discrete before integrated before virtual before CPU.
-    #[default]
-    Auto,
-    /// The one with this [`GpuInfo::index`].
-    Index(usize),
-    /// The first usable one whose name contains this text, in any case.
-    Name(String),
-}
+use crate::vulkan::error::{api, Result};
 
 /// What sort of device a GPU is, best first.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -67,6 +56,8 @@ pub struct GpuInfo {
     pub name: String,
     /// What sort of device it is.
     pub kind: GpuKind,
+    /// What tells it from others of its name, the same after a restart: 32 hex digits in groups, as `VkPhysicalDeviceIDProperties` has them.
+    pub uuid: String,
     /// Name of the driver, such as `llvmpipe`.
     pub driver: String,
     /// Version text of the driver.
@@ -83,16 +74,6 @@ pub struct GpuInfo {
     pub subgroup_sizes: [u32; 2],
     /// Why it cannot be used; empty if it can.
     pub unusable: Vec<String>,
-}
-
-impl GpuInfo {
-    fn line(&self) -> String {
-        let verdict = match self.unusable.is_empty() {
-            true => "usable".to_owned(),
-            false => format!("lacks {}", self.unusable.join(", ")),
-        };
-        format!("  {}: {} ({}): {verdict}", self.index, self.name, self.kind.as_str())
-    }
 }
 
 /// A physical device with all that a context needs to know of it.
@@ -119,22 +100,10 @@ pub fn list_gpus() -> Result<Vec<GpuInfo>> {
 
 /// Chooses a GPU that can present to `surface`, if one is given.
 pub(crate) fn choose(instance: &Instance, surface: Option<vk::SurfaceKHR>, choice: &GpuChoice) -> Result<Gpu> {
-    let gpus = inspect_all(instance, surface)?;
-    let lines: Vec<String> = gpus.iter().map(|gpu| gpu.info.line()).collect();
-    let usable = gpus.into_iter().filter(|gpu| gpu.info.unusable.is_empty());
-    let (chosen, wanted) = match choice {
-        GpuChoice::Auto => {
-            let chosen = usable.min_by_key(|gpu| (gpu.info.kind, gpu.info.index));
-            return chosen.ok_or(VulkanError::NoUsableDevice { reasons: lines });
-        }
-        GpuChoice::Index(index) => (usable.into_iter().find(|gpu| gpu.info.index == *index), index.to_string()),
-        GpuChoice::Name(name) => {
-            let wanted = name.to_lowercase();
-            let mut usable = usable;
-            (usable.find(|gpu| gpu.info.name.to_lowercase().contains(&wanted)), name.clone())
-        }
-    };
-    chosen.ok_or(VulkanError::NoSuchGpu { wanted, available: lines })
+    let mut gpus = inspect_all(instance, surface)?;
+    let infos: Vec<GpuInfo> = gpus.iter().map(|gpu| gpu.info.clone()).collect();
+    let index = pick(&infos, choice)?;
+    Ok(gpus.swap_remove(index))
 }
 
 fn inspect_all(instance: &Instance, surface: Option<vk::SurfaceKHR>) -> Result<Vec<Gpu>> {
@@ -147,7 +116,12 @@ fn inspect(instance: &Instance, surface: Option<vk::SurfaceKHR>, index: usize, h
     let mut driver = vk::PhysicalDeviceDriverProperties::default();
     let mut subgroup = vk::PhysicalDeviceSubgroupProperties::default();
     let mut sizes = vk::PhysicalDeviceSubgroupSizeControlProperties::default();
-    let mut all = vk::PhysicalDeviceProperties2::default().push_next(&mut driver).push_next(&mut subgroup).push_next(&mut sizes);
+    let mut id = vk::PhysicalDeviceIDProperties::default();
+    let mut all = vk::PhysicalDeviceProperties2::default()
+        .push_next(&mut driver)
+        .push_next(&mut subgroup)
+        .push_next(&mut sizes)
+        .push_next(&mut id);
     // SAFETY: the device belongs to this instance; structures of versions that it lacks are left as they are.
     unsafe { instance.handle.get_physical_device_properties2(handle, &mut all) };
     let properties = all.properties;
@@ -173,6 +147,7 @@ fn inspect(instance: &Instance, surface: Option<vk::SurfaceKHR>, index: usize, h
         index,
         name: text(properties.device_name_as_c_str().ok()),
         kind: GpuKind::new(properties.device_type),
+        uuid: uuid(id.device_uuid),
         driver: text(driver.driver_name_as_c_str().ok()),
         driver_info: text(driver.driver_info_as_c_str().ok()),
         api_version: version(properties.api_version),
@@ -227,4 +202,10 @@ fn version(version: u32) -> String {
 
 fn text(name: Option<&CStr>) -> String {
     name.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+/// Hex digits in the usual groups of 8, 4, 4, 4 and 12.
+fn uuid(bytes: [u8; 16]) -> String {
+    let digits = format!("{:032x}", u128::from_be_bytes(bytes));
+    [0..8, 8..12, 12..16, 16..20, 20..32].map(|group| &digits[group]).join("-")
 }

@@ -6,17 +6,20 @@ use super::device;
 use crate::vulkan::{list_gpus, Context, ContextOptions, GpuChoice, VulkanError};
 
 #[test]
-fn listed_gpus_can_be_chosen_by_index_and_name() {
+fn listed_gpus_can_be_chosen_by_index_name_and_uuid() {
     let Some(context) = device() else { return };
     let gpus = list_gpus().unwrap();
     let chosen = context.device_info();
     let listed = &gpus[chosen.index];
     assert_eq!((&listed.name, &listed.driver_info), (&chosen.name, &chosen.driver_info));
     assert!(listed.unusable.is_empty() && listed.api_version.starts_with("1."));
-    for choice in [GpuChoice::Index(chosen.index), GpuChoice::Name(chosen.name.to_uppercase())] {
-        let options = ContextOptions { gpu: choice, ..ContextOptions::default() };
-        let context = Context::new(&options).unwrap();
-        assert_eq!(context.device_info().name, chosen.name);
+    for text in [chosen.index.to_string(), chosen.name.to_uppercase(), chosen.uuid.clone(), chosen.uuid.replace('-', "")] {
+        let options = ContextOptions { gpu: GpuChoice::parse(&text), ..ContextOptions::default() };
+        // Twins have one name.
+        match Context::new(&options) {
+            Ok(context) => assert_eq!((&context.device_info().name, &context.device_info().uuid), (&chosen.name, &chosen.uuid)),
+            Err(error) => assert!(matches!(error, VulkanError::SeveralGpus { .. }), "{error:?}"),
+        }
     }
 }
 

@@ -22,6 +22,7 @@ impl Run for Gpus {
         }
         for gpu in &gpus {
             println!("{}: {} ({})", gpu.index, gpu.name, gpu.kind.as_str());
+            println!("   UUID {}", gpu.uuid);
             println!("   driver {} {}, Vulkan {}", gpu.driver, gpu.driver_info, gpu.api_version);
             match gpu.unusable.as_slice() {
                 [] => println!("   usable, subgroups of {}", subgroups(gpu)),
@@ -41,7 +42,7 @@ fn subgroups(gpu: &GpuInfo) -> String {
 
 fn entry(gpu: &GpuInfo) -> serde_json::Value {
     json!({
-        "index": gpu.index, "name": gpu.name, "kind": gpu.kind.as_str(), "driver": gpu.driver, "driver_info": gpu.driver_info,
+        "index": gpu.index, "name": gpu.name, "kind": gpu.kind.as_str(), "uuid": gpu.uuid, "driver": gpu.driver, "driver_info": gpu.driver_info,
         "api_version": gpu.api_version, "subgroup_size": gpu.subgroup_size, "subgroup_sizes": gpu.subgroup_sizes, "usable": gpu.unusable.is_empty(),
         "lacks": gpu.unusable,
     })

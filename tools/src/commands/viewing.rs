@@ -47,8 +47,8 @@ const HOST_MB: u64 = 1000;
 /// Which GPU to use.
 #[derive(clap::Args, Clone)]
 pub(crate) struct GpuOptions {
-    /// GPU to use: its number or part of its name, as `terrane gpus` lists them.
-    #[arg(long, value_name = "N|NAME")]
+    /// GPU to use: its number, part of its name, or its UUID or the first eight digits or more of that, as `terrane gpus` lists them.
+    #[arg(long, value_name = "N|NAME|UUID")]
     gpu: Option<String>,
     /// Run the Vulkan validation layer, with synchronization validation; any message is an error.
     #[arg(long)]
@@ -81,10 +81,7 @@ impl GpuOptions {
 
     /// What to create a context with.
     pub(crate) fn options(&self) -> ContextOptions {
-        let gpu = match &self.gpu {
-            None => GpuChoice::Auto,
-            Some(text) => text.parse().map_or_else(|_| GpuChoice::Name(text.clone()), GpuChoice::Index),
-        };
+        let gpu = self.gpu.as_deref().map_or(GpuChoice::Auto, GpuChoice::parse);
         ContextOptions { gpu, validation: self.validate, samples: self.msaa, subgroup_size: self.subgroup }
     }
 
