@@ -55,7 +55,7 @@ const HOUSES: [House; 4] = [
     House {
         folder: "src",
         prefix: &[],
-        rooms: &["vulkan", "shaders", "scene", "frame", "headless", "stills", "verify", "measure", "app"],
+        rooms: &["vulkan", "shaders", "glsl", "hot_reload", "scene", "frame", "headless", "stills", "verify", "measure", "app"],
     },
     House {
         folder: "src",

@@ -24,6 +24,8 @@ mod pacing;
 mod panel;
 mod playback;
 mod pose;
+#[cfg(feature = "hot-reload")]
+mod reload;
 mod reopening;
 mod screenshots;
 mod snapshot;
@@ -139,6 +141,9 @@ pub struct FlyOptions {
     pub view: ViewLine,
     /// What the user chose before.
     pub settings: Settings,
+    /// Shaders to draw with in place of those that the program was built with, as they are edited.
+    #[cfg(feature = "hot-reload")]
+    pub shaders: Option<crate::hot_reload::ShaderWatch>,
     /// Files, the clipboard, other planets.
     pub host: Box<dyn Host>,
 }
@@ -463,6 +468,8 @@ impl ApplicationHandler for App {
             flight.panel.say(news);
             flight.touch_interface();
         }
+        #[cfg(feature = "hot-reload")]
+        self.options.shaders.iter().for_each(|watch| flight.follow_shaders(watch));
         if flight.closes().is_some_and(|at| at <= now) {
             return events.exit();
         }
@@ -480,6 +487,8 @@ impl ApplicationHandler for App {
             flight.window.request_redraw();
         }
         let news = self.options.host.expects_news().then(|| now + LOOK_FOR_NEWS);
+        #[cfg(feature = "hot-reload")]
+        let news = news.or(self.options.shaders.as_ref().map(|_| now + LOOK_FOR_NEWS));
         let wake = [if let Due::At(at) = due { Some(at) } else { None }, flight.closes(), news].into_iter().flatten().min();
         events.set_control_flow(wake.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
     }

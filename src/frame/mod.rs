@@ -20,6 +20,7 @@ mod select;
 mod shading;
 mod sky;
 mod stage;
+mod stages;
 mod stars;
 mod tables;
 mod targets;
@@ -37,48 +38,26 @@ pub use tables::{FrameTables, MeshTasks};
 pub use targets::{Targets, DEPTH_FORMAT, RADIANCE_FORMAT};
 
 use crate::scene::Scene;
+#[cfg(feature = "hot-reload")]
+use crate::vulkan::Replacements;
 use crate::vulkan::{vk, Buffer, Commands, Context, Image, ImageView, Result};
-use air::Air;
-use draw::Draw;
-use edges::Edges;
-use emit::Emit;
-use meter::Meter;
-use ocean::Ocean;
 use passed::Shared;
-use resolve::Resolve;
-use select::Select;
-use sky::Sky;
-use stars::Stars;
+use stages::Stages;
 use std::sync::Arc;
 use terrane_planet::draw::cut::Cut;
 use terrane_planet::draw::layout::{EmitState, FrameView, Mode, Shading};
 use terrane_planet::draw::view::View;
-use tiles::Tiles;
-use tonemap::Tonemap;
-use upscale::Upscale;
 
 /// Seconds after which the sea begins again, before single precision runs out.
 const WAVES_REPEAT: f64 = 7200.0;
 
 /// Pipelines, targets and buffers of all stages.
 pub struct Renderer {
-    select: Select,
-    resolve: Resolve,
-    emit: Emit,
-    air: Air,
-    draw: Draw,
-    edges: Edges,
-    ocean: Ocean,
-    sky: Sky,
-    stars: Stars,
-    meter: Meter,
+    stages: Stages,
     /// Whether stars are drawn where there is nothing else.
     pub starry: bool,
     /// Whether the meter has been read before.
     metered: bool,
-    tonemap: Tonemap,
-    upscale: Upscale,
-    tiles: Tiles,
     context: Arc<Context>,
     /// Seconds, for things that move by themselves: 0 in still pictures.
     pub time: f64,
@@ -101,21 +80,9 @@ impl Renderer {
     pub fn new(context: &Arc<Context>, size: (u32, u32), format: vk::Format) -> Result<Renderer> {
         let samples = context.samples();
         Ok(Renderer {
-            select: Select::new(context)?,
-            resolve: Resolve::new(context)?,
-            emit: Emit::new(context)?,
-            air: Air::new(context)?,
-            draw: Draw::new(context, samples)?,
-            edges: Edges::new(context, samples)?,
-            ocean: Ocean::new(context)?,
-            sky: Sky::new(context)?,
-            stars: Stars::new(context)?,
-            meter: Meter::new(context)?,
+            stages: Stages::new(context, samples, format)?,
             starry: true,
             metered: false,
-            tonemap: Tonemap::new(context, format)?,
-            upscale: Upscale::new(context, format)?,
-            tiles: Tiles::new(context)?,
             context: context.clone(),
             time: 0.0,
             shading: Shading::default(),
@@ -126,6 +93,21 @@ impl Renderer {
             density: 1.0,
             buffers: FrameBuffers::new(context)?,
         })
+    }
+
+    /// Builds all stages again, with shaders that take the place of those that the program was built with. Waits for the GPU.
+    ///
+    /// # Errors
+    /// Shaders that ask for other resources than the program gives them, or that the device cannot run: the stages before stay.
+    #[cfg(feature = "hot-reload")]
+    pub fn reload(&mut self, shaders: Replacements) -> Result<()> {
+        let before = self.context.replace_shaders(shaders);
+        let built = Stages::new(&self.context, self.context.samples(), self.format);
+        let stages = built.inspect_err(|_| drop(self.context.replace_shaders(before)))?;
+        self.context.wait_idle()?;
+        self.stages = stages;
+        self.metered = false;
+        Ok(())
     }
 
     /// Follows a change of picture size.
@@ -182,7 +164,7 @@ impl Renderer {
     pub fn record_part(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
         keep_patches(commands, scene, tables);
         self.buffers.record_reset(commands)?;
-        Stage::Emit.record(commands, |c| self.emit.record(c, &self.buffers))?;
+        Stage::Emit.record(commands, |c| self.stages.emit.record(c, &self.buffers))?;
         self.buffers.record_readback(commands)
     }
 
@@ -196,37 +178,38 @@ impl Renderer {
     pub fn record_mesh(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
         keep_patches(commands, scene, tables);
         self.buffers.record_reset(commands)?;
-        Stage::Select.record(commands, |c| self.select.record(c, &self.buffers))?;
-        Stage::Resolve.record(commands, |c| self.resolve.record(c, &self.buffers))?;
-        Stage::Emit.record(commands, |c| self.emit.record(c, &self.buffers))?;
+        Stage::Select.record(commands, |c| self.stages.select.record(c, &self.buffers))?;
+        Stage::Resolve.record(commands, |c| self.stages.resolve.record(c, &self.buffers))?;
+        Stage::Emit.record(commands, |c| self.stages.emit.record(c, &self.buffers))?;
         self.buffers.record_readback(commands)
     }
 
     /// Records the picture stages into `picture`, whose contents are thrown away, and which is left as
     /// [`Access::ColorTarget`](crate::vulkan::Access::ColorTarget).
     pub fn record_picture(&mut self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
-        self.air.record(commands, &self.buffers, &self.shading)?;
-        let Renderer { buffers, targets, air, tiles, shading: lit, .. } = &*self;
+        self.stages.air.record(commands, &self.buffers, &self.shading)?;
+        let Renderer { stages, buffers, targets, shading: lit, .. } = &*self;
+        let Stages { air, tiles, .. } = stages;
         let shared = Shared { lit, buffers, scene, targets, air, tiles };
-        let drawn = Stage::Draw.record(commands, |c| self.draw.record(c, &shared))?;
-        let ground = Stage::Edges.record(commands, |c| self.edges.record(c, &shared, drawn))?;
-        let water = Stage::Ocean.record(commands, |c| self.ocean.record(c, &shared, ground))?;
+        let drawn = Stage::Draw.record(commands, |c| stages.draw.record(c, &shared))?;
+        let ground = Stage::Edges.record(commands, |c| stages.edges.record(c, &shared, drawn))?;
+        let water = Stage::Ocean.record(commands, |c| stages.ocean.record(c, &shared, ground))?;
         if look.mode == Mode::Wire {
-            Stage::Lines.record(commands, |c| self.draw.record_lines(c, &shared, water, ground.depth))?;
+            Stage::Lines.record(commands, |c| stages.draw.record_lines(c, &shared, water, ground.depth))?;
         }
-        let seen = Stage::Sky.record(commands, |c| self.sky.record(c, &shared, ground, water))?;
+        let seen = Stage::Sky.record(commands, |c| stages.sky.record(c, &shared, ground, water))?;
         if self.starry && !look.mode.is_diagram() {
-            Stage::Stars.record(commands, |c| self.stars.record(c, &shared, ground.depth, seen))?;
+            Stage::Stars.record(commands, |c| stages.stars.record(c, &shared, ground.depth, seen))?;
         }
         let metered = match look.metering {
-            Some(_) => Stage::Meter.record(commands, |c| self.meter.record(c, &shared, seen))?,
-            None => self.meter.factor(),
+            Some(_) => Stage::Meter.record(commands, |c| stages.meter.record(c, &shared, seen))?,
+            None => stages.meter.factor(),
         };
         let few = targets.few.as_ref().map(Image::view);
         let toned = few.unwrap_or(picture);
-        Stage::Tonemap.record(commands, |c| self.tonemap.record(c, &shared, (seen, ground.edges), metered, toned))?;
+        Stage::Tonemap.record(commands, |c| stages.tonemap.record(c, &shared, (seen, ground.edges), metered, toned))?;
         if let Some(few) = few {
-            Stage::Upscale.record(commands, |c| self.upscale.record(c, targets, few, picture))?;
+            Stage::Upscale.record(commands, |c| stages.upscale.record(c, targets, few, picture))?;
         }
         self.metered |= look.metering.is_some();
         Ok(())
@@ -255,7 +238,7 @@ impl Renderer {
 
     /// What the meter said last: a factor on exposure. Wait for the frame first.
     pub(crate) fn metered_factor(&self) -> &Buffer {
-        self.meter.factor()
+        self.stages.meter.factor()
     }
 
     /// Counters of the latest frame; wait for it first.

@@ -23,6 +23,8 @@ pub use commands::synchronization::Access;
 pub use commands::timestamps::{Timestamps, Zone, MAX_ZONES};
 pub use commands::{Commands, Submission};
 pub use device::choice::GpuChoice;
+#[cfg(feature = "hot-reload")]
+pub use device::context::Replacements;
 pub use device::context::{Context, ContextOptions};
 pub use device::features::Extras;
 pub use device::gpu::{list_gpus, GpuInfo, GpuKind};

@@ -33,6 +33,10 @@ pub struct ContextOptions {
 /// Samples a pixel, unless told otherwise.
 const DEFAULT_SAMPLES: u32 = 4;
 
+/// Shaders that take the place of those that the program was built with: SPIR-V by file name, such as `select.comp`.
+#[cfg(feature = "hot-reload")]
+pub type Replacements = std::collections::BTreeMap<String, Arc<[u32]>>;
+
 /// Whether this process said that it draws in software. Not in a context, because it is said once, however many contexts a command makes;
 /// nothing but the words depends on it.
 static SOFTWARE_SAID: Once = Once::new();
@@ -60,6 +64,9 @@ pub struct Context {
     debug: Option<ext::debug_utils::Device>,
     device: ash::Device,
     queue: Mutex<vk::Queue>,
+    /// SPIR-V in place of what the program was built with, by the shader's name.
+    #[cfg(feature = "hot-reload")]
+    replaced: Mutex<Replacements>,
     gpu: Gpu,
     instance: Arc<Instance>,
 }
@@ -121,6 +128,8 @@ impl Context {
             debug,
             device,
             queue: Mutex::new(queue),
+            #[cfg(feature = "hot-reload")]
+            replaced: Mutex::default(),
             samples,
             gpu,
             instance,
@@ -150,6 +159,18 @@ impl Context {
     /// Most samples that colour and depth targets can have.
     pub fn most_samples(&self) -> u32 {
         most_samples(&self.gpu.limits)
+    }
+
+    /// Lets pipelines that are created from now on have these shaders in place of those of their names. Returns those before.
+    #[cfg(feature = "hot-reload")]
+    pub fn replace_shaders(&self, shaders: Replacements) -> Replacements {
+        std::mem::replace(&mut *self.replaced.lock().unwrap_or_else(PoisonError::into_inner), shaders)
+    }
+
+    /// What pipelines are to have in place of a shader.
+    #[cfg(feature = "hot-reload")]
+    pub(in crate::vulkan) fn replacement(&self, name: &str) -> Option<Arc<[u32]>> {
+        self.replaced.lock().unwrap_or_else(PoisonError::into_inner).get(name).cloned()
     }
 
     /// The limits of the device.

@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::layout::{Bindable, RawPipeline, RawPipelineRef, Specialization};
 use super::reflection::Reflection;
-use super::shader::{Module, Shader};
+use super::shader::{current_words, Module, Shader};
 use crate::vulkan::error::{api, Result, VulkanError};
 use crate::vulkan::Context;
 
@@ -22,6 +22,8 @@ impl ComputePipeline {
     /// # Errors
     /// A shader that is not a compute shader, or that the device cannot run.
     pub fn new(context: &Arc<Context>, shader: &Shader<'_>, specialization: &[(u32, u32)]) -> Result<Self> {
+        let words = current_words(context, shader, specialization)?;
+        let shader = &Shader { name: shader.name, words: &words };
         let reflection = Reflection::new(shader, specialization)?;
         if reflection.stage != vk::ShaderStageFlags::COMPUTE {
             let problem = format!("it is for {:?}, not COMPUTE", reflection.stage);

@@ -6,7 +6,7 @@ use ash::vk;
 
 use super::layout::{Bindable, RawPipeline, RawPipelineRef, Specialization};
 use super::reflection::Reflection;
-use super::shader::{Module, Shader};
+use super::shader::{current_words, Module, Shader};
 use crate::vulkan::error::{api, Result, VulkanError};
 use crate::vulkan::Context;
 
@@ -93,9 +93,13 @@ impl GraphicsPipeline {
     /// # Errors
     /// Shaders of the wrong stage, or whose bindings contradict each other, or that the device cannot run.
     pub fn new(context: &Arc<Context>, name: &str, description: &GraphicsDescription<'_>) -> Result<Self> {
-        let mut shaders = vec![(description.vertex, vk::ShaderStageFlags::VERTEX)];
+        let mut built = vec![(description.vertex, vk::ShaderStageFlags::VERTEX)];
         let fragment = description.fragment.map(|s| (s, vk::ShaderStageFlags::FRAGMENT));
-        shaders.extend(fragment);
+        built.extend(fragment);
+        let constants = description.specialization;
+        let words: Vec<_> = built.iter().map(|(s, _)| current_words(context, s, constants)).collect::<Result<_>>()?;
+        let shaders: Vec<_> =
+            built.iter().zip(&words).map(|((s, stage), words)| (Shader { name: s.name, words }, *stage)).collect();
         let reflections: Vec<Reflection> =
             shaders.iter().map(|(shader, stage)| reflect(shader, *stage, description.specialization)).collect::<Result<_>>()?;
         let point = vk::PipelineBindPoint::GRAPHICS;

@@ -1,7 +1,13 @@
 //! A compiled shader and its Vulkan module.
 
+use std::borrow::Cow;
+
 use ash::vk;
 
+#[cfg(feature = "hot-reload")]
+use super::reflection::Reflection;
+#[cfg(feature = "hot-reload")]
+use crate::vulkan::error::VulkanError;
 use crate::vulkan::error::{api, Result};
 use crate::vulkan::Context;
 
@@ -12,6 +18,30 @@ pub struct Shader<'a> {
     pub name: &'a str,
     /// The SPIR-V words.
     pub words: &'a [u32],
+}
+
+/// The words to create pipelines of a shader with: its own, or those that were put in their place while the program runs.
+///
+/// # Errors
+/// A replacement that asks for other resources than the program gives.
+#[cfg(feature = "hot-reload")]
+pub(crate) fn current_words<'a>(context: &Context, shader: &Shader<'a>, constants: &[(u32, u32)]) -> Result<Cow<'a, [u32]>> {
+    let Some(words) = context.replacement(shader.name) else {
+        return Ok(Cow::Borrowed(shader.words));
+    };
+    let replacement = Reflection::new(&Shader { name: shader.name, words: &words }, constants)?;
+    if replacement != Reflection::new(shader, constants)? {
+        let problem =
+            "its bindings, push constants or workgroups are not those that the program was built with; build it again".to_owned();
+        return Err(VulkanError::Shader { shader: shader.name.to_owned(), problem });
+    }
+    Ok(Cow::Owned(words.to_vec()))
+}
+
+/// The words to create pipelines of a shader with.
+#[cfg(not(feature = "hot-reload"))]
+pub(crate) fn current_words<'a>(_: &Context, shader: &Shader<'a>, _: &[(u32, u32)]) -> Result<Cow<'a, [u32]>> {
+    Ok(Cow::Borrowed(shader.words))
 }
 
 /// A shader module that lives as long as it takes to build a pipeline.

@@ -9,3 +9,5 @@ mod common;
 mod flights;
 mod harness;
 mod interface;
+#[cfg(feature = "hot-reload")]
+mod shaders;

@@ -20,6 +20,8 @@ use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 use terrane::app::{fly, FlyFrame, FlyOptions, Keys, Scale, Settings};
+#[cfg(feature = "hot-reload")]
+use terrane::hot_reload::ShaderWatch;
 use terrane_planet::draw::layout::Tone;
 use terrane_planet::draw::view_line::{Stand, ViewLine};
 
@@ -64,6 +66,10 @@ pub(crate) struct Fly {
     /// Print which key does what, as the file `terrane/keys.toml` in the user's folder of settings can say it, and leave.
     #[arg(long)]
     keys: bool,
+    /// Draw with the shaders in this folder, as they are edited; mistakes are told, and the shaders before stay.
+    #[cfg(feature = "hot-reload")]
+    #[arg(long, value_name = "FOLDER")]
+    shaders: Option<PathBuf>,
     #[command(flatten)]
     draw: DrawOptions,
     /// Folder for what the window saves: pictures, paths and films.
@@ -138,6 +144,13 @@ impl Run for Fly {
             orientation: self.draw.mesh.orientation(),
             view: opened.view,
             settings,
+            #[cfg(feature = "hot-reload")]
+            shaders: self
+                .shaders
+                .as_deref()
+                .map(ShaderWatch::new)
+                .transpose()
+                .map_err(|problem| anyhow::anyhow!("--shaders: {problem}"))?,
             host: Box::new(host),
         });
         let reported = report_messages(&report.messages);
