@@ -145,6 +145,7 @@ impl Renderer {
 
     /// Prepares the tables of the next frame and hands them to the GPU. `whole` draws patches out of sight too.
     pub fn prepare(&mut self, scene: &Scene, view: &View, cut: &Cut, look: &Look, whole: bool) -> Result<FrameTables> {
+        let _span = tracing::trace_span!("prepare").entered();
         let tables = FrameTables::new(scene, view, cut, whole);
         self.shading = self.lit(scene, view, look);
         self.buffers.write(&tables, &view.gpu, &self.shading)?;
@@ -176,6 +177,7 @@ impl Renderer {
 
     /// Records the mesh stages of the prepared frame: which vertices are awake, what they are drawn as and where, which triangles.
     pub fn record_mesh(&self, commands: &mut Commands, scene: &Scene, tables: &FrameTables) -> Result<()> {
+        let _span = tracing::trace_span!("record mesh").entered();
         keep_patches(commands, scene, tables);
         self.buffers.record_reset(commands)?;
         Stage::Select.record(commands, |c| self.stages.select.record(c, &self.buffers))?;
@@ -187,6 +189,7 @@ impl Renderer {
     /// Records the picture stages into `picture`, whose contents are thrown away, and which is left as
     /// [`Access::ColorTarget`](crate::vulkan::Access::ColorTarget).
     pub fn record_picture(&mut self, commands: &mut Commands, scene: &Scene, look: &Look, picture: &ImageView) -> Result<()> {
+        let _span = tracing::trace_span!("record picture").entered();
         self.stages.air.record(commands, &self.buffers, &self.shading)?;
         let Renderer { stages, buffers, targets, shading: lit, .. } = &*self;
         let Stages { air, tiles, .. } = stages;

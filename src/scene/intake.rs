@@ -29,6 +29,7 @@ impl Scene {
     }
 
     fn stage(&mut self, arrived: Vec<Response>) -> Result<Upload, SceneError> {
+        let _span = tracing::trace_span!("stage", patches = arrived.len()).entered();
         let mut upload = Upload::new(&self.context, UPLOAD_CHUNK);
         for response in arrived {
             match response {

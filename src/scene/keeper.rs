@@ -145,6 +145,7 @@ fn keep(mut file: PlanetFile, notes: &Receiver<Note>, budget: u64) {
         }
         let full = built.len() >= BATCH || around.len() >= 4 * BATCH || used.len() >= 64 * BATCH;
         if (full || idle) && !(built.is_empty() && around.is_empty() && used.is_empty()) {
+            let _span = tracing::debug_span!("keep", meshes = built.len()).entered();
             let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs() as i64);
             if let Err(error) = file.cache(&built, &around, &used, now, budget) {
                 // What is built from now on is of another ground, and has a keeper of its own.

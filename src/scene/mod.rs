@@ -358,9 +358,10 @@ impl Scene {
 
     /// Computes the cut of a view from what is resident, and asks for what it lacks.
     pub fn choose(&mut self, view: &View) -> Cut {
+        let _span = tracing::trace_span!("choose").entered();
         self.keep_within_budget();
         let now = self.now();
-        let cut = now.cut(view);
+        let cut = tracing::trace_span!("cut").in_scope(|| now.cut(view));
         let shown = now.textures_shown(view, &cut);
         self.ground.follow(&cut);
         self.mark_used(&cut, &shown);

@@ -144,6 +144,7 @@ impl Source {
     /// Reads what the files hold of the parts of a patch; for a still's view as many chunks of the mesh as that can wake, and without a
     /// view the first.
     fn read(&self, found: &mut Found, id: PatchId, parts: Parts, view: Option<&View>) -> Result<(), StoreError> {
+        let _span = tracing::debug_span!("read", patch = %id).entered();
         let enough = |facts: &PatchFacts, beyond: Wake| match view {
             Some(view) => sleeps(view, &facts.bounds, beyond),
             None => self.scope == Scope::Still,
@@ -198,6 +199,7 @@ impl Source {
 
     /// Horizon angles of a patch towards the sun as it stands now, and its ambient occlusion.
     pub(super) fn relief(&self, id: PatchId) -> Relief {
+        let _span = tracing::debug_span!("relief", patch = %id).entered();
         let sun = *self.sun.read().unwrap_or_else(PoisonError::into_inner);
         let direction = sun.direction.unwrap_or_else(|| id.centre());
         let ground = self.planet.ground();

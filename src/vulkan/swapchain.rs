@@ -151,6 +151,7 @@ impl Swapchain {
     /// # Errors
     /// Device loss, or a window that is gone.
     pub fn present(&mut self, frame: Frame) -> Result<()> {
+        let _span = tracing::trace_span!("present").entered();
         let Frame { mut commands, image, slot, .. } = frame;
         // Other stages, culling above all, need not wait for the screen.
         let stages = vk::PipelineStageFlags2::COLOR_ATTACHMENT_OUTPUT | vk::PipelineStageFlags2::ALL_TRANSFER;
@@ -170,10 +171,13 @@ impl Swapchain {
             Err(vk::Result::ERROR_OUT_OF_DATE_KHR) => self.outdate(),
             Err(result) => return Err(api("vkQueuePresentKHR")(result)),
         }
+        // Tracy counts frames by this field.
+        tracing::trace!(tracy.frame_mark = true);
         Ok(())
     }
 
     fn acquire_image(&mut self, slot: usize) -> Result<Option<u32>> {
+        let _span = tracing::trace_span!("acquire").entered();
         let semaphore = self.slots[slot].acquired.handle;
         let limit = ACQUIRE_LIMIT.as_nanos() as u64;
         // SAFETY: the swapchain is alive; nothing waits for the semaphore any more.

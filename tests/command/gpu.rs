@@ -137,6 +137,39 @@ fn software_that_nobody_asked_for_is_named_once() {
 }
 
 #[test]
+fn the_log_tells_what_takes_how_long_to_who_asks_and_nothing_to_others() {
+    if !has_device() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let says = |levels: &str| {
+        let arguments = ["shot", "tiny", "--at", "10,20,9000", "--size", "64x64", "--spacing", "5000", "--out"];
+        let mut command = command(&arguments);
+        command.arg(folder.path().join("x.png")).env("RUST_LOG", levels).env("XDG_CACHE_HOME", folder.path().join(levels));
+        let output = command.output().unwrap();
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        text(&output.stderr).to_owned()
+    };
+    let trace = says("terrane=trace");
+    let of_patches = ["survey{patch=", "build mesh{patch=", "relief{patch="];
+    let of_frames = [
+        "cut: terrane::scene: close",
+        "prepare: terrane::frame: close",
+        "record{zone=\"draw\"}: ",
+        "wait{",
+        "terrane::gpu: select ",
+    ];
+    for span in of_patches.iter().chain(&of_frames) {
+        assert!(trace.contains(span) && trace.contains("time.busy="), "{span}: {trace}");
+    }
+    let debug = says("terrane=debug");
+    for (spans, are_there) in [(&of_patches[..], true), (&of_frames[..], false)] {
+        assert!(spans.iter().all(|span| debug.contains(span) == are_there), "{spans:?}: {debug}");
+    }
+    assert!(!says("warn").contains("time.busy="));
+}
+
+#[test]
 fn without_a_driver_every_command_says_what_to_install() {
     let cases: [&[&str]; 3] =
         [&["gpus"], &["shot", "tiny", "--at", "0,0,1000", "--out", "x.png"], &["verify", "x.planet", "--views", "1"]];

@@ -4,14 +4,12 @@
 
 mod commands;
 mod compare;
+mod log;
 mod study;
 mod svg;
 
 use clap::Parser;
-use std::io::IsTerminal;
 use std::process::ExitCode;
-use tracing_subscriber::filter::{LevelFilter, Targets};
-use tracing_subscriber::prelude::*;
 
 /// Whole planets from orbit to the ground.
 #[derive(Parser)]
@@ -32,14 +30,7 @@ enum Outcome {
 fn main() -> ExitCode {
     // `terrane info … | head` ends quietly, as other commands do, instead of panicking.
     sigpipe::reset();
-    // RUST_LOG chooses levels, as in "info,terrane=debug".
-    let levels = std::env::var("RUST_LOG").ok().and_then(|levels| levels.parse().ok()).unwrap_or_else(|| {
-        // A clipboard manager that is not there is no trouble of the user's.
-        let quiet = [("winit", LevelFilter::ERROR), ("arboard", LevelFilter::ERROR)];
-        Targets::new().with_default(LevelFilter::WARN).with_targets(quiet)
-    });
-    let lines = tracing_subscriber::fmt::layer().with_ansi(std::io::stderr().is_terminal()).with_writer(std::io::stderr);
-    tracing_subscriber::registry().with(levels).with(lines).init();
+    log::begin();
     match Cli::parse().command.run() {
         Ok(Outcome::Done) => ExitCode::SUCCESS,
         Ok(Outcome::Interrupted) => ExitCode::from(130),

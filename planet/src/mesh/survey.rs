@@ -23,6 +23,7 @@ pub struct Survey {
 impl Survey {
     /// Samples a patch. A pure function of terrain and patch id.
     pub fn new(ground: &Ground, id: PatchId) -> Survey {
+        let _span = tracing::debug_span!("survey", patch = %id).entered();
         let grid = HeightGrid::sample(ground, id);
         let surface = Surface::new(ground, &grid);
         Survey { facts: facts(ground, &grid, &surface), grid, surface }
@@ -30,11 +31,13 @@ impl Survey {
 
     /// Builds its mesh.
     pub fn mesh(&self, ground: &Ground) -> (PatchMesh, Faults) {
+        let _span = tracing::debug_span!("build mesh", patch = %self.grid.id).entered();
         PatchMesh::of_surface(ground, &self.grid, &self.surface, self.facts)
     }
 
     /// Its textures.
     pub fn texture(&self, ground: &Ground, colour: &dyn GroundColour) -> PatchTexture {
+        let _span = tracing::debug_span!("build texture", patch = %self.grid.id).entered();
         PatchTexture::new(ground, colour, self.grid.id, &self.grid)
     }
 }

@@ -173,6 +173,7 @@ impl Commands {
         if self.state != State::Submitted {
             return Err(self.misuse("waited for without a submission"));
         }
+        let _span = tracing::trace_span!("wait", commands = %self.name).entered();
         let nanoseconds = WAIT_LIMIT.as_nanos() as u64;
         // SAFETY: the fence belongs to the submission.
         unsafe { self.context.device().wait_for_fences(&[self.fence], true, nanoseconds) }

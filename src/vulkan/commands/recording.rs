@@ -59,6 +59,7 @@ impl Commands {
     /// # Errors
     /// Those of `body`; not recording, or rendering.
     pub fn zone<R>(&mut self, name: &str, body: impl FnOnce(&mut Self) -> Result<R>) -> Result<R> {
+        let _span = tracing::trace_span!("record", zone = name).entered();
         let commands = self.outside_rendering()?;
         self.begin_label(commands, name);
         let number = self.queries.begin(commands, name);

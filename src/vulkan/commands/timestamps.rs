@@ -127,7 +127,10 @@ impl Queries {
             let written = pair.iter().all(|value| value[1] != 0);
             written.then(|| Zone { name: name.clone(), depth: *depth, ms: ms(pair) })
         };
-        let zones = self.zones.iter().zip(values.chunks_exact(2)).filter_map(zone).collect();
+        let zones: Vec<Zone> = self.zones.iter().zip(values.chunks_exact(2)).filter_map(zone).collect();
+        for Zone { name, ms, .. } in &zones {
+            tracing::trace!(target: "terrane::gpu", "{name} {ms:.3} ms");
+        }
         Ok(Timestamps { zones, wall_ms: wall.as_secs_f64() * 1e3 })
     }
 

@@ -111,6 +111,7 @@ impl Upload {
         if self.steps.is_empty() {
             return Ok(());
         }
+        let _span = tracing::trace_span!("record upload", steps = self.steps.len()).entered();
         let all = ash::vk::PipelineStageFlags2::ALL_COMMANDS;
         let (write, read) = (ash::vk::AccessFlags2::MEMORY_WRITE, ash::vk::AccessFlags2::MEMORY_READ);
         commands.memory_barrier(all, write, all, read | write)?;
