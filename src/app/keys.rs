@@ -410,8 +410,8 @@ mod tests {
 
     #[test]
     fn a_file_changes_what_it_names_and_nothing_else() {
-        let keys = Keys::from_toml("freeze = [\"X\"]\nahead = [\"KeyZ\"]\n").unwrap();
-        assert_eq!(typed(&keys, KeyCode::KeyX, "x", NONE), Some(Command::Freeze));
+        let keys = Keys::from_toml("freeze = [\"J\"]\nahead = [\"KeyZ\"]\n").unwrap();
+        assert_eq!(typed(&keys, KeyCode::KeyJ, "j", NONE), Some(Command::Freeze));
         assert_eq!(typed(&keys, KeyCode::KeyZ, "z", NONE), None);
         assert_eq!(typed(&keys, KeyCode::KeyN, "n", NONE), Some(Command::North));
         let mut held = Held::default();
