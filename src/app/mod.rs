@@ -3,6 +3,7 @@
 //! In: a planet file, where to begin, and a way to save pictures. Out: a window until it is closed, then a [`FlyReport`]. Events come
 //! in here; [`flight`](self) draws, `viewer` moves, `keys` says which key does what.
 
+mod asking;
 mod choices;
 mod chord;
 mod destination;
@@ -24,6 +25,7 @@ mod pacing;
 mod panel;
 mod playback;
 mod pose;
+mod recovery;
 #[cfg(feature = "hot-reload")]
 mod reload;
 mod reopening;
@@ -46,7 +48,6 @@ use crate::vulkan::{ContextOptions, ValidationMessage, VulkanError};
 use flight::Flight;
 use keys::Command;
 use pacing::Due;
-use panel::{Asked, PathWish};
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -67,8 +68,6 @@ use winit::window::{Window, WindowId};
 const RETRY: Duration = Duration::from_millis(30);
 /// How often to ask the host for news that it expects.
 const LOOK_FOR_NEWS: Duration = Duration::from_millis(500);
-/// How long a device must last to be used anew after it was lost.
-const LASTING: Duration = Duration::from_secs(10);
 /// Pixels of smooth scrolling that make one notch of a wheel.
 const PIXELS_PER_NOTCH: f64 = 40.0;
 
@@ -97,16 +96,6 @@ pub enum AppError {
     /// The GPU.
     #[error(transparent)]
     Vulkan(#[from] VulkanError),
-}
-
-impl AppError {
-    fn is_lost_device(&self) -> bool {
-        matches!(
-            self,
-            AppError::Vulkan(VulkanError::DeviceLost { .. })
-                | AppError::Scene(SceneError::Vulkan(VulkanError::DeviceLost { .. }))
-        )
-    }
 }
 
 /// How to fly.
@@ -226,32 +215,6 @@ impl App {
         events.exit();
     }
 
-    /// After its device is lost the window goes on with it anew, where it was; unless it was lost a moment ago, too.
-    fn recover(&mut self, events: &ActiveEventLoop, error: AppError) {
-        let again = self.recovered.is_some_and(|at| at.elapsed() < LASTING);
-        if !error.is_lost_device() || again || self.options.stand.is_some() {
-            return self.fail(events, error);
-        }
-        let Some(mut flight) = self.flight.take() else { return };
-        tracing::warn!("{error}; it is used anew");
-        let (window, survivors) = (flight.window.clone(), flight.survivors(self.options.keys.clone()));
-        let log = flight.context.message_log();
-        // A window bears one surface.
-        drop(flight);
-        self.report.messages.extend(log.all());
-        self.options.camera = survivors.viewer.pose.camera(&survivors.viewer.lens);
-        self.options.path = None;
-        match Flight::new(window, &self.options) {
-            Ok(mut flight) => {
-                flight.take_over(survivors);
-                flight.panel.set_bookmarks(self.options.host.bookmarks());
-                flight.panel.say("the GPU was lost, and is used anew".to_owned());
-                (self.flight, self.recovered) = (Some(flight), Some(Instant::now()));
-            }
-            Err(error) => self.fail(events, error),
-        }
-    }
-
     fn redraw(&mut self, events: &ActiveEventLoop) {
         let Some(flight) = &mut self.flight else { return };
         match flight.draw(self.options.host.as_mut()) {
@@ -266,74 +229,6 @@ impl App {
         for command in asked.commands {
             self.obey(events, command);
         }
-    }
-
-    /// Asks the host for what the panel was asked for.
-    fn ask_host(&mut self, asked: &Asked) {
-        let (Some(flight), host) = (&mut self.flight, &mut self.options.host) else { return };
-        if let Some(name) = &asked.forget {
-            let said = host.remove_bookmark(name).map_or_else(|problem| problem, |()| format!("forgot {name}"));
-            flight.panel.say(said);
-            flight.panel.set_bookmarks(host.bookmarks());
-        }
-        if let Some(wish) = &asked.path {
-            flight.follow_path_wish(wish);
-            let radius = flight.scene.planet().recipe.radius;
-            let whole = |flight: &Flight| flight.panel.board.path(radius).map(drop).map_err(|error| error.to_string());
-            let said = match wish {
-                PathWish::Save(name) => whole(flight).and_then(|()| host.save_path(name, &flight.panel.board.route())),
-                PathWish::Load(name) => host.load_path(name).map(|route| {
-                    flight.panel.board.take(route);
-                    format!("{name} is the path now")
-                }),
-                PathWish::Film(name) => whole(flight)
-                    .and_then(|()| host.film(&self.options.file, name, &flight.panel.board.route(), &flight.film_view())),
-                PathWish::Take(_) | PathWish::Visit(_) => Ok(String::new()),
-            };
-            let said = said.unwrap_or_else(|problem| problem);
-            if !said.is_empty() {
-                flight.panel.say(said);
-            }
-        }
-        if asked.reset {
-            flight.reset();
-            flight.panel.say("all settings are as they are at first".to_owned());
-        }
-        if let Some(what) = &asked.open {
-            self.open_other(what);
-        }
-    }
-
-    /// Flies to a view, or over another planet.
-    fn open_other(&mut self, what: &str) {
-        let (Some(flight), host) = (&mut self.flight, &mut self.options.host) else { return };
-        flight.touch();
-        if flight.scene.edits().is_busy() {
-            return flight.panel.say("the ground is being changed: wait for it, and open it then".to_owned());
-        }
-        let view = match host.view(what) {
-            Ok(view) => view,
-            Err(problem) => return flight.panel.say(problem),
-        };
-        let elsewhere =
-            view.as_ref().and_then(|view| view.planet.clone()).filter(|name| *name != flight.scene.planet().recipe.name);
-        let what = match (&view, &elsewhere) {
-            (Some(view), None) => return flight.show_view(view),
-            (_, Some(planet)) => planet,
-            (None, None) => what,
-        };
-        let opened = host.open(what).and_then(|opened| flight.open(&opened).map_err(|error| error.to_string()).map(|()| opened));
-        match opened {
-            Ok(opened) => {
-                self.options.file = opened.file;
-                self.options.settings.note_opened(&opened.name);
-                flight.panel.recent = self.options.settings.recent.clone();
-                flight.panel.say(format!("over {}", flight.scene.planet().recipe.name));
-                view.iter().for_each(|view| flight.show_view(view));
-            }
-            Err(problem) => flight.panel.say(problem),
-        }
-        flight.touch();
     }
 
     fn obey(&mut self, events: &ActiveEventLoop, command: Command) {

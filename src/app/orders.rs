@@ -255,7 +255,11 @@ impl Flight {
             return;
         }
         let direction = direction_at(view.at[0], view.at[1]);
-        let position = planet.position_of(direction, view.stand);
+        let position = match view.stand {
+            // The viewer is lifted above what is drawn there: the sea's floor, where the sea is left out.
+            Stand::Height(metres) => direction * (planet.recipe.radius + metres),
+            Stand::Altitude(metres) => planet.position_above(direction, metres),
+        };
         self.viewer.lens.fov = view.fov.map_or(self.viewer.lens.fov, f64::to_radians);
         let lens = self.viewer.lens;
         let [heading, pitch] = view.look.unwrap_or_else(|| {

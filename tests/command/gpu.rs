@@ -117,7 +117,7 @@ fn usual_gpu() -> Value {
 }
 
 #[test]
-fn software_that_nobody_asked_for_is_named_once() {
+fn commands_without_a_window_say_nothing_of_what_draws() {
     if !has_device() {
         return;
     }
@@ -125,15 +125,12 @@ fn software_that_nobody_asked_for_is_named_once() {
     let planet = folder.path().join("tiny.planet");
     bake_tiny(&planet, None);
     let gpu = usual_gpu();
-    let lines = |chosen: &[&str]| {
+    for chosen in [&[][..], &["--gpu", gpu["uuid"].as_str().unwrap()], &["--gpu", &gpu["index"].to_string()]] {
         let mut command = command(&["verify", "--views", "1"]);
         let output = command.args(chosen).arg(&planet).output().unwrap();
         assert!(output.status.success(), "{chosen:?}: {}", text(&output.stderr));
-        text(&output.stderr).lines().filter(|line| line.contains("the software renderer") && line.contains("--gpu")).count()
-    };
-    assert_eq!(lines(&[]), usize::from(gpu["kind"] == "cpu"), "{gpu}");
-    assert_eq!(lines(&["--gpu", gpu["uuid"].as_str().unwrap()]), 0, "{gpu}");
-    assert_eq!(lines(&["--gpu", &gpu["index"].to_string()]), 0, "{gpu}");
+        assert!(!text(&output.stderr).contains("the software renderer"), "{}", text(&output.stderr));
+    }
 }
 
 #[test]

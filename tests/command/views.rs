@@ -8,6 +8,9 @@ use std::io::BufReader;
 use std::path::Path;
 use terrane::stills::read_view;
 use terrane_planet::draw::view_line::{Daylight, Stand, ViewLine};
+use terrane_planet::globe::sphere::direction_at;
+use terrane_planet::planet::Planet;
+use terrane_planet::recipe::shipped;
 
 fn shot(folder: &Path, options: &[&str], out: &str) -> Vec<u8> {
     let output = terrane(&[&["shot"], options, &["--out", out]].concat(), folder);
@@ -128,4 +131,24 @@ fn meshes_and_films_take_from_a_view_what_they_have_use_for() {
     let output = terrane(&record, folder);
     assert!(output.status.success(), "{}", text(&output.stderr));
     assert!(pixels(&folder.join("frames/000001.png")) == shot(folder, &["p.planet", "--view", view, "--stored-only"], "x.png"));
+}
+
+#[test]
+fn a_view_from_below_the_level_of_a_sea_that_is_left_out_is_drawn() {
+    if device().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    bake(folder.path());
+    let planet = Planet::from_recipe(shipped::load("tiny").unwrap(), 16).unwrap();
+    let sites = (0..600).map(|k| [f64::from(k % 30) * 5.0 - 72.0, f64::from(k / 30) * 18.0 - 180.0]);
+    let floor = |site: &[f64; 2]| planet.terrain.height(direction_at(site[0], site[1]));
+    let [latitude, longitude] = sites.min_by(|a, b| floor(a).total_cmp(&floor(b))).unwrap();
+    let height = floor(&[latitude, longitude]) + 20.0;
+    assert!(height < planet.recipe.sea.as_ref().unwrap().level_m - 20.0, "the sea is too shallow");
+    let line = format!("terrane:1/at={latitude},{longitude}/height={height}/look=0,10/size=64x48/stored-only");
+    let dived = shot(folder.path(), &["p.planet", "--view", &format!("{line}/no-sea")], "dived.png");
+    assert!(dived.iter().any(|byte| *byte > 40), "the picture is black");
+    let refused = terrane(&["shot", "p.planet", "--view", &line, "--out", "wet.png"], folder.path());
+    assert!(text(&refused.stderr).contains("ground or sea there"), "{}", text(&refused.stderr));
 }

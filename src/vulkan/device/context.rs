@@ -2,7 +2,7 @@
 
 use std::mem::ManuallyDrop;
 use std::sync::atomic::{AtomicU64, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, Once, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{Allocator, AllocatorCreateDesc};
@@ -36,21 +36,6 @@ const DEFAULT_SAMPLES: u32 = 4;
 /// Shaders that take the place of those that the program was built with: SPIR-V by file name, such as `select.comp`.
 #[cfg(feature = "hot-reload")]
 pub type Replacements = std::collections::BTreeMap<String, Arc<[u32]>>;
-
-/// Whether this process said that it draws in software. Not in a context, because it is said once, however many contexts a command makes;
-/// nothing but the words depends on it.
-static SOFTWARE_SAID: Once = Once::new();
-
-/// Says that a software renderer was taken that nobody asked for: who has a GPU is to know that its driver is missing.
-fn warn_of_software(gpu: &GpuInfo) {
-    SOFTWARE_SAID.call_once(|| {
-        tracing::warn!(
-            "the software renderer {} draws, slowly, because no usable GPU was found; `terrane gpus` says why, `--gpu {}` asks for it",
-            gpu.name,
-            gpu.index
-        );
-    });
-}
 
 /// A Vulkan device with one queue; shared by everything that is created on it.
 pub struct Context {
@@ -95,9 +80,6 @@ impl Context {
 
     fn on_instance(instance: Arc<Instance>, surface: Option<vk::SurfaceKHR>, options: &ContextOptions) -> Result<Arc<Self>> {
         let mut gpu = choose(&instance, surface, &options.gpu)?;
-        if options.gpu == GpuChoice::Auto && gpu.info.kind == GpuKind::Cpu {
-            warn_of_software(&gpu.info);
-        }
         if let Some(size) = options.subgroup_size {
             gpu.info.subgroup_size = subgroup_size(&gpu.info, size)?;
         }

@@ -1,6 +1,7 @@
 //! What all commands share that draw with a GPU: how the mesh follows the view, which patches there are, how the picture looks, which GPU.
 
-use super::viewing::{Exposure, GpuOptions, LookOptions, MeshOptions, PatchOptions};
+use super::look_options::LookOptions;
+use super::viewing::{Exposure, GpuOptions, MeshOptions, PatchOptions};
 use std::path::Path;
 use std::sync::Arc;
 use std::time::Duration;

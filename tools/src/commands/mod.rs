@@ -16,6 +16,7 @@ mod gpus;
 mod growth;
 mod height;
 mod info;
+mod look_options;
 mod mesh;
 mod output;
 mod packing;

@@ -1,21 +1,16 @@
-//! Options that the rendering commands share: which GPU, where the camera is, how the picture looks.
+//! Options that the rendering commands share: which GPU, where the camera is, which patches there are.
 
 use super::at::{at, At, Stance};
-use anyhow::{bail, ensure, Context as _};
-use clap::ValueEnum as _;
+use anyhow::{bail, ensure};
 use glam::DVec3;
-use jiff::Timestamp;
 use std::sync::Arc;
-use terrane::frame::{sun_over, Look};
 use terrane::scene::{CacheOptions, OnDemand, SceneOptions};
 use terrane::vulkan::{Context, ContextOptions, GpuChoice, ValidationMessage};
 use terrane_planet::draw::camera_path::Keyframe;
-use terrane_planet::draw::layout::{Mode, Tone};
 use terrane_planet::draw::view::{Camera, View, TOLERANCE_RANGE};
 pub(crate) use terrane_planet::draw::view_line::Exposure;
-use terrane_planet::draw::view_line::{Daylight, Stand, ViewLine};
+use terrane_planet::draw::view_line::{Stand, ViewLine};
 use terrane_planet::globe::sphere::direction_at;
-use terrane_planet::globe::sun;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
 
@@ -35,9 +30,6 @@ const DEFAULT_ERROR: f64 = 1.0;
 
 /// Metres between samples to which patches are built unless told otherwise.
 const DEFAULT_SPACING: f64 = 1.0;
-
-/// Where the sun stands over the site in view unless told otherwise: azimuth and elevation in degrees.
-const DEFAULT_SUN: [f64; 2] = [135.0, 35.0];
 
 /// Megabytes of built patches to keep, of patches on the GPU, and of patches in main memory, unless told otherwise.
 const CACHE_MB: u64 = 2000;
@@ -131,6 +123,9 @@ pub(crate) struct CameraOptions {
     /// Whether the third number of `at` is metres above the datum, as a view can have it.
     #[arg(skip)]
     above_datum: bool,
+    /// Whether the sea is left out, so that the camera may be below its level.
+    #[arg(skip)]
+    without_sea: bool,
 }
 
 fn wave_time(text: &str) -> anyhow::Result<f64> {
@@ -146,6 +141,7 @@ impl CameraOptions {
         if self.at.is_none() {
             let ([latitude, longitude], stand) = (line.at, line.stand);
             self.above_datum = matches!(stand, Stand::Height(_));
+            self.without_sea = line.no_sea;
             let (Stand::Altitude(metres) | Stand::Height(metres)) = stand;
             self.at = Some(At::Site([latitude, longitude, metres]));
         }
@@ -179,7 +175,7 @@ impl CameraOptions {
 
     /// The same without a place of its own: a whole planet from afar.
     pub(crate) fn of_whole_planet(&self) -> CameraOptions {
-        CameraOptions { at: None, look: None, time: None, above_datum: false, ..self.clone() }
+        CameraOptions { at: None, look: None, time: None, above_datum: false, without_sea: false, ..self.clone() }
     }
 
     /// Takes a tolerance where none was given.
@@ -213,13 +209,30 @@ impl CameraOptions {
     /// The camera over a planet.
     pub(crate) fn camera(&self, planet: &Planet) -> anyhow::Result<Camera> {
         check_tolerance(self.error())?;
-        Ok(planet.camera_at(&self.keyframe(planet)?, self.size()))
+        let keyframe = self.keyframe(planet)?;
+        let camera = planet.camera_at(&keyframe, self.size());
+        match (&self.at, self.above_datum && self.without_sea) {
+            (Some(At::Site([_, _, height])), true) => {
+                let position = direction_at(keyframe.latitude, keyframe.longitude) * (planet.recipe.radius + height);
+                Ok(Camera::looking(position, keyframe.heading, keyframe.pitch, camera.fov, camera.size))
+            }
+            _ => Ok(camera),
+        }
+    }
+
+    /// Metres above the datum of what a view's camera has to be above.
+    fn surface(&self, planet: &Planet, site: DVec3) -> f64 {
+        if self.without_sea {
+            planet.terrain.height(site)
+        } else {
+            planet.surface_height(site)
+        }
     }
 
     fn keyframe(&self, planet: &Planet) -> anyhow::Result<Keyframe> {
         let (mut at, look) = self.stance(&planet.recipe)?;
         if self.above_datum {
-            let surface = planet.surface_height(self.site(&planet.recipe)?);
+            let surface = self.surface(planet, self.site(&planet.recipe)?);
             let height = at[2];
             at[2] -= surface;
             ensure!(
@@ -358,167 +371,6 @@ impl PatchOptions {
         let on_demand = (!self.stored_only).then_some(OnDemand { spacing_m, cache });
         let (gpu_bytes, host_bytes) = (bytes(self.gpu_memory), bytes(self.host_memory));
         Ok(SceneOptions { gpu_bytes, host_bytes, on_demand, ..SceneOptions::default() })
-    }
-}
-
-/// What is drawn.
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
-enum ModeOption {
-    Shaded,
-    Wire,
-    Levels,
-    Normals,
-    Albedo,
-    Depth,
-}
-
-impl ModeOption {
-    fn mode(self) -> Mode {
-        match self {
-            ModeOption::Shaded => Mode::Shaded,
-            ModeOption::Wire => Mode::Wire,
-            ModeOption::Levels => Mode::Levels,
-            ModeOption::Normals => Mode::Normals,
-            ModeOption::Albedo => Mode::Albedo,
-            ModeOption::Depth => Mode::Depth,
-        }
-    }
-
-    fn of(mode: Mode) -> ModeOption {
-        ModeOption::value_variants().iter().copied().find(|option| option.mode() == mode).unwrap_or(ModeOption::Shaded)
-    }
-}
-
-/// The curve from light to the display.
-#[derive(clap::ValueEnum, Clone, Copy, Debug)]
-enum ToneOption {
-    Neutral,
-    Agx,
-}
-
-impl ToneOption {
-    fn tone(self) -> Tone {
-        match self {
-            ToneOption::Neutral => Tone::Neutral,
-            ToneOption::Agx => Tone::Agx,
-        }
-    }
-
-    fn of(tone: Tone) -> ToneOption {
-        ToneOption::value_variants().iter().copied().find(|option| option.tone() == tone).unwrap_or(ToneOption::Neutral)
-    }
-}
-
-/// How the picture looks.
-#[derive(clap::Args, Clone, Debug)]
-pub(crate) struct LookOptions {
-    /// What is drawn [default: shaded].
-    #[arg(long, value_enum)]
-    mode: Option<ModeOption>,
-    /// Where the sun stands over the site below the camera: degrees clockwise from north, and above the horizon.
-    #[arg(long, value_name = "AZIMUTH,ELEVATION", value_parser = numbers::<2>, allow_hyphen_values = true)]
-    sun: Option<[f64; 2]>,
-    /// The sun by date and time, such as 2026-06-21T12:00Z: as over the Earth, with the axial tilt of the recipe.
-    #[arg(long, value_name = "TIME", value_parser = seconds, conflicts_with = "sun")]
-    date: Option<i64>,
-    /// Factor on the brightness of the picture, 1 being right for the light of sun and sky below the camera; or `auto`, by how bright
-    /// the picture is too. The default is 1, and `auto` in a window.
-    #[arg(long, value_name = "auto|VALUE", value_parser = exposure)]
-    exposure: Option<Exposure>,
-    /// The curve from light to the display: `neutral`, or the filmic `agx` [default: neutral].
-    #[arg(long, value_enum)]
-    tone: Option<ToneOption>,
-    /// Leave the clouds out.
-    #[arg(long)]
-    clear_sky: bool,
-    /// Leave the sea out: its floor shows.
-    #[arg(long)]
-    no_sea: bool,
-    /// Leave the air out.
-    #[arg(long)]
-    no_air: bool,
-    /// Let the relief cast no shadows.
-    #[arg(long)]
-    no_shadows: bool,
-}
-
-/// Seconds since 1970 of a time with its zone.
-fn seconds(text: &str) -> anyhow::Result<i64> {
-    let time: Timestamp = text.parse().with_context(|| format!("'{text}' is not a time such as 2026-06-21T12:00Z"))?;
-    Ok(time.as_second())
-}
-
-fn exposure(text: &str) -> anyhow::Result<Exposure> {
-    match text.parse::<f32>() {
-        _ if text == "auto" => Ok(Exposure::Auto),
-        Ok(factor) if (1e-6..=1e6).contains(&factor) => Ok(Exposure::Fixed(factor)),
-        _ => bail!("'{text}' is neither 'auto' nor a number from 1e-6 to 1e6"),
-    }
-}
-
-impl LookOptions {
-    /// Whether a date says where the sun is.
-    pub(crate) fn has_date(&self) -> bool {
-        self.date.is_some()
-    }
-
-    /// Takes from a view what was not given.
-    pub(crate) fn take(&mut self, line: &ViewLine) {
-        match line.daylight {
-            Some(Daylight::Over(sun)) if self.date.is_none() => self.sun = self.sun.or(Some(sun)),
-            Some(Daylight::Date(date)) if self.sun.is_none() => self.date = self.date.or(Some(date)),
-            _ => {}
-        }
-        self.exposure = self.exposure.or(line.exposure);
-        self.mode = self.mode.or(line.mode.map(ModeOption::of));
-        self.tone = self.tone.or(line.tone.map(ToneOption::of));
-        self.clear_sky |= line.clear_sky;
-        self.no_sea |= line.no_sea;
-        self.no_air |= line.no_air;
-        self.no_shadows |= line.no_shadows;
-    }
-
-    /// Puts into a view how the picture looks; what is as usual only where it may not be usual elsewhere.
-    pub(crate) fn note(&self, line: &mut ViewLine, usual: Exposure) {
-        let sun = Daylight::Over(self.sun.unwrap_or(DEFAULT_SUN));
-        line.daylight = Some(self.date.map_or(sun, Daylight::Date));
-        line.exposure = Some(self.exposure.unwrap_or(usual));
-        line.mode = Some(self.mode()).filter(|mode| *mode != Mode::Shaded);
-        line.tone = Some(self.tone()).filter(|tone| *tone != Tone::Neutral);
-        line.clear_sky = self.clear_sky;
-        line.no_sea = self.no_sea;
-        line.no_air = self.no_air;
-        line.no_shadows = self.no_shadows;
-    }
-
-    fn mode(&self) -> Mode {
-        self.mode.map_or(Mode::Shaded, ModeOption::mode)
-    }
-
-    fn tone(&self) -> Tone {
-        self.tone.map_or(Tone::Neutral, ToneOption::tone)
-    }
-
-    /// The look of a picture over a site of a planet, exposed in the usual way unless told otherwise.
-    pub(crate) fn look(&self, recipe: &Recipe, site: DVec3, usual: Exposure) -> Look {
-        let [azimuth, elevation] = self.sun.unwrap_or(DEFAULT_SUN);
-        let by_date = |date| sun::direction(date as f64, recipe.axial_tilt);
-        let sun = self.date.map_or_else(|| sun_over(site, azimuth, elevation), by_date);
-        let (factor, metering) = match self.exposure.unwrap_or(usual) {
-            Exposure::Auto => (1.0, Some(1.0)),
-            Exposure::Fixed(factor) => (factor, None),
-        };
-        Look {
-            mode: self.mode(),
-            sun,
-            exposure: factor,
-            tone: self.tone(),
-            metering,
-            clouds: !self.clear_sky,
-            sea: !self.no_sea,
-            air: !self.no_air,
-            shadows: !self.no_shadows,
-        }
     }
 }
 
