@@ -1,7 +1,7 @@
 //! Flying over a planet in a window.
 //!
-//! In: a planet file, where to begin, and a way to save pictures. Out: a window until it is closed, then a [`FlyReport`]. Events come
-//! in here; [`flight`](self) draws, `viewer` moves, `keys` says which key does what.
+//! In: a planet file, where to begin, and a [`Host`] that saves, copies and finds what is asked for. Out: a window until it is closed, then a
+//! [`FlyReport`]. Events come in here; `flight` draws, `viewer` moves, `keys` says which key does what, `orders` does it.
 
 mod asking;
 mod choices;

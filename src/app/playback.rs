@@ -26,9 +26,6 @@ pub struct FlyFrame {
     pub allocations: u64,
 }
 
-/// Degrees over the ground from a path's end beyond which the sun goes with the camera, as in films.
-const FAR: f64 = 40.0;
-
 /// A path that is being played, and how long the viewer stands at its end before the window closes; for ever if `None`.
 pub(super) struct Playback {
     path: CameraPath,
@@ -50,7 +47,7 @@ impl Playback {
     pub(super) fn lit(mut self, site: DVec3, sun: DVec3) -> Playback {
         let [azimuth, elevation] = sun_seen_from(site, sun);
         let over_end = || sun_over(self.path.at(self.path.span().1).up, azimuth, elevation);
-        self.sun = (self.path.reach().to_degrees() > FAR).then(|| self.path.carry(over_end()));
+        self.sun = self.path.leads_round().then(|| self.path.carry(over_end()));
         self
     }
 

@@ -1,4 +1,4 @@
-//! Where the viewer is and which way they face, and the moves that both cameras are made of.
+//! Where the viewer is and which way they face, and the moves that all cameras are made of.
 //!
 //! All in f64 and planet-fixed metres. The direction is kept as a tangent and a pitch, so that looking straight down, or standing
 //! on a pole, is like any other site.

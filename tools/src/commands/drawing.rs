@@ -71,13 +71,10 @@ impl DrawOptions {
     /// the sun would set, it goes with the camera, if no date says where it is.
     pub(crate) fn look_along(&self, recipe: &Recipe, path: &CameraPath) -> PathLook {
         let look = self.look.look(recipe, path.at(path.span().1).up, Exposure::Fixed(1.0));
-        let goes = !self.look.has_date() && path.reach().to_degrees() > FAR;
+        let goes = !self.look.has_date() && path.leads_round();
         PathLook { look, sun: goes.then(|| path.carry(look.sun)) }
     }
 }
-
-/// Degrees over the ground from a path's end beyond which the sun goes with the camera.
-const FAR: f64 = 40.0;
 
 /// What frames along a path look like.
 pub(crate) struct PathLook {

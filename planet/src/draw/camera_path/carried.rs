@@ -4,6 +4,9 @@
 use super::CameraPath;
 use glam::{DQuat, DVec3};
 
+/// Degrees over the ground from a path's end beyond which it leads round the planet.
+const FAR: f64 = 40.0;
+
 /// Steps in which a path is followed.
 const STEPS: usize = 2048;
 
@@ -25,6 +28,11 @@ impl CameraPath {
         }
         directions.reverse();
         Carried { span: self.span(), directions }
+    }
+
+    /// Whether the path leads so far round the planet that a sun over its end would be low or set somewhere on the way.
+    pub fn leads_round(&self) -> bool {
+        self.reach().to_degrees() > FAR
     }
 
     /// The largest angle over the ground between the path's end and where it comes by, in radians.
