@@ -109,6 +109,13 @@ float wooded_share(vec3 albedo) {
     return green * smoothstep(0.085, 0.055, dot(albedo, vec3(0.3, 0.6, 0.1)));
 }
 
+// How long a vertex has been awake: yellow where it has just woken, red at twice that nearness, and through violet to blue at thirty times.
+vec3 wake_color(float wake, float distance) {
+    float octaves = log2(max(view.scale * wake * view.unit / distance, 1.0));
+    vec3 warm = mix(vec3(1.0, 0.85, 0.1), vec3(0.85, 0.15, 0.15), min(octaves, 1.0));
+    return mix(warm, vec3(0.1, 0.15, 0.6), smoothstep(1.0, 5.0, octaves));
+}
+
 vec3 level_color(uint level) {
     vec3 phase = vec3(0.0, 0.33, 0.67) + 0.382 * float(level);
     return 0.55 + 0.45 * cos(6.2832 * phase);
@@ -145,7 +152,8 @@ void main() {
         return;
     }
     vec3 color = ground.albedo;
-    if (mode_is(MODE_LEVELS)) color = mix(color, level_color(in_slots.w), 0.65);
+    if (mode_is(MODE_LEVELS)) color = mix(color, level_color(low16(in_slots.w)), 0.65);
+    if (mode_is(MODE_WAKE)) color = mix(color, wake_color(wake_distance(high16(in_slots.w)), distance), 0.8);
 
     float height = length(from_centre) - shading.radius;
     float elevation = dot(up, shading.sun);

@@ -13,7 +13,7 @@ layout(scalar, binding = 5) readonly buffer DrawnPositions { DrawnVertex drawn_p
 layout(location = 0) out vec3 out_position;
 layout(location = 1) out vec2 out_grid;
 // Of the patch's table: software renderers fetch from buffers pixel by pixel, and flat inputs once a triangle.
-// Slot, parent's slot, which quarter of that one, level; corner in the texture, cell, where it fades; grid axis, texel's distance.
+// Slot, parent's slot, which quarter of that one, level (low half) and the first vertex's wake (high half); corner in the texture, cell, where it fades; grid axis, texel's distance.
 layout(location = 2) flat out uvec4 out_slots;
 layout(location = 3) flat out vec4 out_texture;
 layout(location = 4) flat out vec4 out_axis;
@@ -35,7 +35,8 @@ void main() {
     precise vec4 clip = view.clip * vec4(position, 1.0);
     out_position = position;
     out_grid = mix(grid_position(vertices, v), grid_position(vertices, parent_of(vertices, v)), drawn.weight);
-    out_slots = uvec4(patches[number].slot, patches[number].parent_slot, patches[number].quarter.x | patches[number].quarter.y << 1, patches[number].level);
+    out_slots = uvec4(patches[number].slot, patches[number].parent_slot, patches[number].quarter.x | patches[number].quarter.y << 1,
+        patches[number].level | high16(vertices.at[v].grid_wake) << 16);
     out_texture = vec4(patches[number].texture_corner, patches[number].texture_cell, patches[number].fade_distance);
     out_axis = vec4(patches[number].grid_axis, patches[number].texel_distance);
     gl_Position = vec4(clip.xy, clip.z * DEPTH_LIFT, clip.w);

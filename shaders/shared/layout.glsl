@@ -165,6 +165,7 @@ const uint MODE_LEVELS = 2u;
 const uint MODE_NORMALS = 3u;
 const uint MODE_ALBEDO = 4u;
 const uint MODE_DEPTH = 5u;
+const uint MODE_WAKE = 6u;
 const uint TONE_NEUTRAL = 0u;
 const uint TONE_AGX = 1u;
 bool is_diagram(uint mode) { return any(bvec3(mode == MODE_NORMALS, mode == MODE_ALBEDO, mode == MODE_DEPTH)); }

@@ -144,8 +144,9 @@ fn a_view_from_below_the_level_of_a_sea_that_is_left_out_is_drawn() {
     let sites = (0..600).map(|k| [f64::from(k % 30) * 5.0 - 72.0, f64::from(k / 30) * 18.0 - 180.0]);
     let floor = |site: &[f64; 2]| planet.terrain.height(direction_at(site[0], site[1]));
     let [latitude, longitude] = sites.min_by(|a, b| floor(a).total_cmp(&floor(b))).unwrap();
-    let height = floor(&[latitude, longitude]) + 20.0;
-    assert!(height < planet.recipe.sea.as_ref().unwrap().level_m - 20.0, "the sea is too shallow");
+    // Not far below the level: a coarse floor may be much higher than the terrain.
+    let height = planet.recipe.sea.as_ref().unwrap().level_m - 5.0;
+    assert!(floor(&[latitude, longitude]) < height - 100.0, "the sea is too shallow");
     let line = format!("terrane:1/at={latitude},{longitude}/height={height}/look=0,10/size=64x48/stored-only");
     let dived = shot(folder.path(), &["p.planet", "--view", &format!("{line}/no-sea")], "dived.png");
     assert!(dived.iter().any(|byte| *byte > 40), "the picture is black");

@@ -23,6 +23,7 @@ enum ModeOption {
     Normals,
     Albedo,
     Depth,
+    Wake,
 }
 
 impl ModeOption {
@@ -34,6 +35,7 @@ impl ModeOption {
             ModeOption::Normals => Mode::Normals,
             ModeOption::Albedo => Mode::Albedo,
             ModeOption::Depth => Mode::Depth,
+            ModeOption::Wake => Mode::Wake,
         }
     }
 

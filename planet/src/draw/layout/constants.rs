@@ -142,6 +142,8 @@ modes! {
     Albedo = "albedo",
     /// Distance on a logarithmic grey scale.
     Depth = "depth",
+    /// How long a vertex of each triangle has been awake, lit.
+    Wake = "wake",
 }
 
 impl Mode {
