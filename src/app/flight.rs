@@ -14,7 +14,7 @@ use super::viewer::Viewer;
 use super::{AppError, FlyOptions};
 use crate::frame::{FrameTables, GuiFrame, PerStage, Renderer};
 use crate::scene::{uploads_within, Scene, SceneOptions, Scope};
-use crate::vulkan::{vk, Access, Commands, Context, Frame, GpuChoice, GpuInfo, GpuKind, Image, ImageDescription, Swapchain};
+use crate::vulkan::{vk, Access, Commands, Context, Frame, GpuInfo, GpuKind, Image, ImageDescription, Swapchain};
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -126,14 +126,6 @@ impl Flight {
         let swapchain = Swapchain::new(&context, surface, (size.width, size.height), false)?;
         let format = swapchain.format();
         let software = context.device_info().kind == GpuKind::Cpu;
-        if software && options.context.gpu == GpuChoice::Auto {
-            // Who has a GPU is to know that its driver is missing.
-            let GpuInfo { name, index, .. } = context.device_info();
-            tracing::warn!(
-                "the software renderer {name} draws, slowly, because no usable GPU was found; `terrane gpus` says why, `--gpu {index}` \
-                 asks for it"
-            );
-        }
         let budget = Scale::Within(if software { SOFTWARE_MS } else { f64::INFINITY });
         let scale = options.scale.unwrap_or(budget);
         let shown = window.current_monitor().and_then(|monitor| monitor.refresh_rate_millihertz());
@@ -262,6 +254,17 @@ impl Flight {
         let pixel = self.viewer.pose.camera(&self.viewer.lens).pixel_angle();
         let longest = CASCADES[0].wavelengths[0];
         !self.software() && sees && self.viewer.altitude(&self.surface()) * pixel < longest
+    }
+
+    /// Says that a software renderer draws: who has a GPU is to know that its driver is missing.
+    pub(super) fn warn_of_software(&self) {
+        if self.software() {
+            let GpuInfo { name, index, .. } = self.context.device_info();
+            tracing::warn!(
+                "the software renderer {name} draws, slowly, because no usable GPU was found; `terrane gpus` says why, `--gpu {index}` \
+                 asks for it"
+            );
+        }
     }
 
     fn software(&self) -> bool {

@@ -44,7 +44,7 @@ pub use playback::FlyFrame;
 
 use crate::frame::Look;
 use crate::scene::{SceneError, SceneOptions};
-use crate::vulkan::{ContextOptions, ValidationMessage, VulkanError};
+use crate::vulkan::{ContextOptions, GpuChoice, ValidationMessage, VulkanError};
 use flight::Flight;
 use keys::Command;
 use pacing::Due;
@@ -207,7 +207,11 @@ impl App {
             .with_inner_size(PhysicalSize::new(width, height))
             .with_min_inner_size(PhysicalSize::new(64, 64));
         let window = events.create_window(attributes).map_err(|error| AppError::Window { reason: error.to_string() })?;
-        Flight::new(Arc::new(window), &self.options)
+        let flight = Flight::new(Arc::new(window), &self.options)?;
+        if self.options.context.gpu == GpuChoice::Auto {
+            flight.warn_of_software();
+        }
+        Ok(flight)
     }
 
     fn fail(&mut self, events: &ActiveEventLoop, error: AppError) {
