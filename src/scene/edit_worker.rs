@@ -75,7 +75,13 @@ impl Job {
     pub(super) fn run(self) -> Result<NextGround, Failure> {
         // One that panicked writes no more.
         let _ = self.before.map(JoinHandle::join);
-        let failed = |has_changed| move |error: EditError| Failure { message: error.to_string(), has_changed };
+        let failed = |has_changed| {
+            move |error: EditError| {
+                // Somebody else may have changed it.
+                let has_changed = has_changed || matches!(error, EditError::Store(StoreError::Changed { .. }));
+                Failure { message: error.to_string(), has_changed }
+            }
+        };
         let mut file = PlanetFile::open_to_edit(&self.supply.path).map_err(EditError::from).map_err(failed(false))?;
         let changed = change(&mut file, &self.planet, self.change).map_err(failed(false))?;
         reopened(&self.supply, &mut file, changed, &self.around, &self.stop).map_err(failed(true))
