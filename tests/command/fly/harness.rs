@@ -4,6 +4,7 @@ use super::common::{command, text};
 use std::io::Read;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
@@ -17,8 +18,11 @@ pub(super) const SIZE: (u32, u32) = (320, 240);
 pub(super) fn terrane(arguments: &[&str]) -> Command {
     let mut command = command(arguments);
     command.env_remove("WAYLAND_DISPLAY").env_remove("WAYLAND_SOCKET").env_remove("RUST_LOG");
-    // What the user of this machine chose before is nothing to a test.
-    command.env("XDG_CONFIG_HOME", "/nowhere").env("XDG_DATA_HOME", "/nowhere");
+    // What the user of this machine, or another test, chose before is nothing to a test.
+    static COUNT: AtomicU32 = AtomicU32::new(0);
+    let number = COUNT.fetch_add(1, Ordering::Relaxed);
+    let own = Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("fly-{}-{number}", std::process::id()));
+    command.env("XDG_CONFIG_HOME", own.join("config")).env("XDG_DATA_HOME", own.join("data"));
     command
 }
 
