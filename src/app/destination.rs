@@ -38,7 +38,7 @@ impl Site {
 /// What was found, and what was expected.
 pub(super) fn parse(text: &str, places: &[Place]) -> Result<Destination, String> {
     let text = text.trim();
-    if let Some(place) = named(text, places) {
+    if let ([place], false) = (&Place::meant(places, text)[..], text.is_empty()) {
         return Ok(Destination::Site(Site::of_place(place)));
     }
     if text.starts_with(SCHEME) {
@@ -60,16 +60,6 @@ pub(super) fn parse(text: &str, places: &[Place]) -> Result<Destination, String>
         ));
     }
     Ok(Destination::Site(Site { at: [latitude, longitude], altitude_m, look: None }))
-}
-
-/// The only place whose name begins so, in small or capital letters.
-fn named<'a>(text: &str, places: &'a [Place]) -> Option<&'a Place> {
-    let text = text.to_lowercase();
-    let begins = |place: &&Place| place.name.to_lowercase().starts_with(&text);
-    let exact = |place: &&Place| place.name.to_lowercase() == text;
-    let mut meant = places.iter().filter(begins);
-    let first = meant.next().filter(|_| !text.is_empty());
-    places.iter().find(exact).or(first.filter(|_| meant.next().is_none()))
 }
 
 /// What is left of a text.

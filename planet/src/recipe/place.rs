@@ -85,14 +85,19 @@ impl Place {
         Ok(places)
     }
 
+    /// The places that a text may mean, in small or capital letters: the one of that name, or else all whose names begin so.
+    pub fn meant<'a>(places: &'a [Place], text: &str) -> Vec<&'a Place> {
+        if let Some(exact) = places.iter().find(|place| same(&place.name, text)) {
+            return vec![exact];
+        }
+        places.iter().filter(|place| place.name.to_lowercase().starts_with(&text.to_lowercase())).collect()
+    }
+
     /// The place of a planet that a name means: its own, or the beginning of no other's, in small or capital letters.
     pub(super) fn find<'a>(places: &'a [Place], planet: &str, found: &str) -> Result<&'a Place, PlaceError> {
-        let begins = |place: &&Place| place.name.to_lowercase().starts_with(&found.to_lowercase());
-        let meant: Vec<&Place> = places.iter().filter(begins).collect();
-        let exact = meant.iter().find(|place| same(&place.name, found));
-        match (exact, &meant[..]) {
-            (Some(place), _) => Ok(place),
-            (None, [place]) => Ok(place),
+        let meant = Place::meant(places, found);
+        match &meant[..] {
+            [place] => Ok(place),
             _ => {
                 let (found, planet) = (found.to_owned(), planet.to_owned());
                 if places.is_empty() {
