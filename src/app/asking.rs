@@ -3,6 +3,7 @@
 use super::flight::Flight;
 use super::panel::{Asked, PathWish};
 use super::App;
+use terrane_planet::draw::view_line::ViewLine;
 
 impl App {
     /// Asks the host for what the panel was asked for.
@@ -36,6 +37,9 @@ impl App {
             flight.reset();
             flight.panel.say("all settings are as they are at first".to_owned());
         }
+        if let Some(view) = &asked.view {
+            self.open_view(view);
+        }
         if let Some(what) = &asked.open {
             self.open_other(what);
         }
@@ -43,33 +47,50 @@ impl App {
 
     /// Flies to a view, or over another planet.
     pub(super) fn open_other(&mut self, what: &str) {
-        let (Some(flight), host) = (&mut self.flight, &mut self.options.host) else { return };
-        flight.touch();
-        if flight.scene.edits().is_busy() {
-            return flight.panel.say("the ground is being changed: wait for it, and open it then".to_owned());
+        match self.options.host.view(what) {
+            Ok(Some(view)) => self.open_view(&view),
+            Ok(None) => drop(self.open_planet(what)),
+            Err(problem) => self.say(problem),
         }
-        let view = match host.view(what) {
-            Ok(view) => view,
-            Err(problem) => return flight.panel.say(problem),
-        };
-        let elsewhere =
-            view.as_ref().and_then(|view| view.planet.clone()).filter(|name| *name != flight.scene.planet().recipe.name);
-        let what = match (&view, &elsewhere) {
-            (Some(view), None) => return flight.show_view(view),
-            (_, Some(planet)) => planet,
-            (None, None) => what,
-        };
-        let opened = host.open(what).and_then(|opened| flight.open(&opened).map_err(|error| error.to_string()).map(|()| opened));
-        match opened {
+    }
+
+    /// Flies to a view, over its planet: that is opened first if it is another.
+    fn open_view(&mut self, view: &ViewLine) {
+        let here = self.flight.as_ref().map(|flight| &flight.scene.planet().recipe.name);
+        let elsewhere = view.planet.as_ref().filter(|name| Some(*name) != here);
+        if elsewhere.is_none_or(|planet| self.open_planet(planet)) {
+            self.flight.iter_mut().for_each(|flight| flight.show_view(view));
+        }
+    }
+
+    /// Flies over another planet. False if it stays the one that it was.
+    fn open_planet(&mut self, what: &str) -> bool {
+        let (Some(flight), host) = (&mut self.flight, &mut self.options.host) else { return false };
+        if flight.scene.edits().is_busy() {
+            self.say("the ground is being changed: wait for it, and open it then".to_owned());
+            return false;
+        }
+        match host.open(what).and_then(|opened| flight.open(&opened).map_err(|error| error.to_string()).map(|()| opened)) {
             Ok(opened) => {
                 self.options.file = opened.file;
                 self.options.settings.note_opened(&opened.name);
                 flight.panel.recent = self.options.settings.recent.clone();
-                flight.panel.say(format!("over {}", flight.scene.planet().recipe.name));
-                view.iter().for_each(|view| flight.show_view(view));
+                let over = format!("over {}", flight.scene.planet().recipe.name);
+                self.say(over);
+                true
             }
-            Err(problem) => flight.panel.say(problem),
+            Err(problem) => {
+                self.say(problem);
+                false
+            }
         }
-        flight.touch();
+    }
+
+    /// Says something to the user for a while.
+    fn say(&mut self, message: String) {
+        if let Some(flight) = &mut self.flight {
+            flight.panel.say(message);
+            flight.touch_interface();
+        }
     }
 }

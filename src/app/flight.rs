@@ -351,14 +351,12 @@ impl Flight {
         let gui = self.interface.lay_out(&mut self.copied, |ctx| panel.show(ctx, &facts, &mut choices, keys, &mut asked));
         if choices != self.choices {
             self.choices = choices;
-            self.pacing.set_scale(choices.scale);
+            self.follow_scale();
             self.touch();
             // What is slid is to follow the hand.
             self.pacing.moved(now);
         }
         self.answer(&mut asked);
-        // A view may have asked for its planet.
-        asked.open = asked.open.or(self.asked.open.take());
         self.asked = asked;
         gui
     }

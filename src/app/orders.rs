@@ -32,6 +32,9 @@ const ARRIVAL: f64 = 0.01;
 impl Flight {
     /// Does what a key asks for, other than ending and what goes to the user.
     pub(super) fn obey(&mut self, command: Command) {
+        if matches!(command, Command::Home | Command::North | Command::Horizon | Command::Back | Command::Forward) {
+            self.stop_playing();
+        }
         let surface = &DrawnSurface::of_scene(&self.scene, self.choices.look.sea);
         let look = &mut self.choices.look;
         match command {
@@ -44,7 +47,6 @@ impl Flight {
             Command::SwitchCamera => self.viewer.set_manner(self.viewer.manner().next()),
             Command::Home => self.fly_to(self.home),
             Command::North => {
-                self.playback = None;
                 let mut pose = self.viewer.pose;
                 pose.head(0.0);
                 self.viewer.turn_to(pose, surface);
@@ -56,7 +58,6 @@ impl Flight {
                 self.viewer.turn_to(Pose::new(pose.position, pose.ahead, -dip), surface);
             }
             Command::Back | Command::Forward => {
-                self.playback = None;
                 if !self.viewer.revisit(command == Command::Back, surface) {
                     self.panel.say("no place to go to: double click, or go to one first".to_owned());
                 }
@@ -221,9 +222,6 @@ impl Flight {
         for revision in asked.revisions.drain(..) {
             self.revise(revision);
         }
-        if let Some(view) = asked.view.take() {
-            self.show_view(&view);
-        }
     }
 
     /// Flies to a site, to look north from there.
@@ -249,11 +247,6 @@ impl Flight {
     /// Flies to a view, and looks as it does.
     pub(super) fn show_view(&mut self, view: &ViewLine) {
         let planet = self.scene.planet();
-        if view.planet.as_ref().is_some_and(|name| *name != planet.recipe.name) {
-            // Its planet is opened first, if it is one by that name.
-            self.asked.open = Some(view.to_string());
-            return;
-        }
         let direction = direction_at(view.at[0], view.at[1]);
         let position = match view.stand {
             // The viewer is lifted above what is drawn there: the sea's floor, where the sea is left out.
@@ -290,11 +283,11 @@ impl Flight {
     pub(super) fn reset(&mut self) {
         let Settings { speed, geomorphs, .. } = Settings::default();
         self.viewer.set_speed(speed);
-        self.choices.geomorphs = geomorphs;
         let look = Look { mode: self.choices.look.mode, ..Look::daylight(self.choices.look.sun) };
         self.choices = Choices {
             look: Look { metering: Some(0.0), ..look },
             tolerance: USUAL_TOLERANCE,
+            geomorphs,
             orientation: false,
             scale: self.choices.budget,
             ..self.choices

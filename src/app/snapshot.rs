@@ -31,6 +31,7 @@ impl Flight {
     pub(super) fn facts(&self) -> Facts {
         let (pose, recipe, tally) = (&self.viewer.pose, &self.scene.planet().recipe, self.scene.tally());
         let (latitude, longitude) = latitude_longitude(pose.up());
+        let picked = self.inspected();
         let mut levels = Vec::new();
         for patch in self.tables.iter().flat_map(|tables| &tables.patches) {
             let level = patch.level as usize;
@@ -65,8 +66,8 @@ impl Flight {
             device: self.context.device_info().name.clone(),
             frozen: self.selection != Selection::Follows,
             edits: self.scene.edits(),
-            picked: self.inspected(),
-            lines: self.lines(),
+            lines: self.lines(picked.as_ref()),
+            picked,
         }
     }
 
@@ -75,24 +76,24 @@ impl Flight {
     }
 
     /// Lines over the picture.
-    fn lines(&self) -> Vec<Line> {
+    fn lines(&self, picked: Option<&Inspected>) -> Vec<Line> {
         let mut outlines = Outlines::new(&self.scene, self.choices.look.sea, self.viewer.pose.camera(&self.viewer.lens));
         if let (Some(frozen), Selection::Frozen) = (&self.frozen, self.selection) {
             outlines.add_frozen(frozen);
         }
-        if let Some(picked) = self.inspected() {
+        if let Some(picked) = picked {
             let ancestors = std::iter::successors(picked.patch.parent(), |id| id.parent());
             ancestors.for_each(|id| outlines.add_patch(id, Color32::from_gray(130), 1.0));
             outlines.add_patch(picked.patch, Color32::WHITE, 2.0);
         }
         let tool = &self.panel.tool;
-        if let Some(site) = self.viewer.site_under_cursor(&self.surface()).filter(|_| tool.held) {
-            outlines.add_circle(site, tool.radius_m, Color32::from_rgb(255, 170, 60));
+        if tool.held {
+            let site = self.viewer.site_under_cursor(&self.surface());
+            site.into_iter().for_each(|site| outlines.add_circle(site, tool.radius_m, Color32::from_rgb(255, 170, 60)));
         }
-        if let (true, None, Ok(path)) =
-            (self.panel.open, &self.playback, self.panel.board.path(self.scene.planet().recipe.radius))
-        {
-            outlines.add_path(&path);
+        if self.panel.open && self.playback.is_none() {
+            let path = self.panel.board.path(self.scene.planet().recipe.radius);
+            path.iter().for_each(|path| outlines.add_path(path));
         }
         outlines.lines
     }
