@@ -2,7 +2,7 @@
 //! CPU reference of everything the GPU does. Knows no Vulkan, no window and no GPU.
 //!
 //! Rooms in the order in which they may use one another, each only those above it: [`globe`], [`recipe`], [`ground`], [`terrain`],
-//! [`mesh`], [`store`], [`maps`], [`draw`], [`planet`], [`reference`](mod@reference), [`query`], [`verify`], [`export`].
+//! [`mesh`], [`store`], [`published`], [`maps`], [`draw`], [`planet`], [`reference`](mod@reference), [`query`], [`verify`], [`export`].
 
 pub mod draw;
 pub mod export;
@@ -11,6 +11,7 @@ pub mod ground;
 pub mod maps;
 pub mod mesh;
 pub mod planet;
+pub mod published;
 pub mod query;
 pub mod recipe;
 pub mod reference;

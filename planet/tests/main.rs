@@ -27,6 +27,7 @@ mod partial_patches;
 mod positions;
 mod precision;
 mod queries;
+mod published;
 mod recipes;
 mod rooms;
 mod screen_error;

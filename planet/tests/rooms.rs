@@ -43,6 +43,7 @@ const HOUSES: [House; 4] = [
             "terrain",
             "mesh",
             "store",
+            "published",
             "maps",
             "draw",
             "planet",

@@ -116,15 +116,18 @@ pub(super) struct Loader {
     shared: Arc<Shared>,
     arrivals: Receiver<Arrival>,
     workers: Vec<std::thread::JoinHandle<()>>,
+    stop: Arc<AtomicBool>,
     /// Most patches that workers have taken and nobody has fetched: past it they wait.
     pub(super) most_under_way: usize,
 }
 
 impl Loader {
-    /// Starts the workers, one a processor or `in_flight` if that is more, each with a source of its own.
+    /// Starts the workers, one a processor or `in_flight` if that is more, each with a source of its own. `stop` is raised when what they
+    /// wait for is no longer wanted.
     pub(super) fn new(
         most_under_way: usize,
         in_flight: usize,
+        stop: Arc<AtomicBool>,
         source: impl Fn() -> Result<Source, StoreError>,
     ) -> Result<Loader, StoreError> {
         let shared = Arc::new(Shared {
@@ -142,7 +145,7 @@ impl Loader {
             let worker = Worker { source: source()?, shared: shared.clone(), sender: sender.clone() };
             workers.push(std::thread::spawn(move || worker.run()));
         }
-        Ok(Loader { shared, arrivals, workers, most_under_way })
+        Ok(Loader { shared, arrivals, workers, stop, most_under_way })
     }
 
     /// Lets frames go first from now on.
@@ -223,6 +226,7 @@ impl Loader {
 impl Drop for Loader {
     fn drop(&mut self) {
         self.shared.lock().closed = true;
+        self.stop.store(true, Ordering::Relaxed);
         self.shared.changed.notify_all();
         for worker in self.workers.drain(..) {
             // A worker that panicked has nothing left to clean up.

@@ -35,7 +35,7 @@ use keeper::Keeper;
 use loader::{Loader, Parts, Request};
 use options::Budget;
 use renewal::Renewal;
-use source::{as_records, Sun, Tally};
+use source::{all_records, Sun, Tally};
 use std::collections::{HashMap, HashSet};
 use std::path::Path;
 use std::sync::atomic::Ordering;
@@ -48,6 +48,7 @@ use terrane_planet::draw::view::View;
 use terrane_planet::globe::lattice::Lattice;
 use terrane_planet::globe::patch::{PatchId, MIN_CELLS};
 use terrane_planet::ground::surroundings::KnownSurroundings;
+use terrane_planet::mesh::progressive::PatchFacts;
 use terrane_planet::planet::edits::EditError;
 use terrane_planet::planet::{Planet, PlanetError};
 use terrane_planet::query::KnownGround;
@@ -141,7 +142,7 @@ pub struct Scene {
     most_mesh_bytes: u64,
     has_textures: bool,
     scope: Scope,
-    /// Whether the planet file is at the other end of a line.
+    /// Whether it takes time to come by what is stored.
     is_far: bool,
     frame: u64,
     settled: bool,
@@ -166,18 +167,25 @@ impl Scene {
         if options.on_demand.is_none() {
             records.retain(PatchRecord::has_mesh);
         }
-        let missing = PatchId::roots().filter(|root| !records.iter().any(|r| r.id == *root && r.has_mesh())).count();
+        let mut known: HashMap<PatchId, PatchFacts> = HashMap::new();
+        if options.on_demand.is_none() {
+            // Of a planet that is published all must be known that there is.
+            let published = options.published.iter().filter(|published| published.header().checksum() == file.header().checksum());
+            published.map(|published| published.index(&|_| ())).try_for_each(|index| index.map(|index| known.extend(index)))?;
+        }
+        known.extend(records.iter().map(|record| (record.id, record.facts)));
+        let missing = PatchId::roots().filter(|root| !known.contains_key(root)).count();
         if missing > 0 && options.on_demand.is_none() {
             return Err(SceneError::NoRoots { file: path.display().to_string(), missing });
         }
         // An edit loads patches beside those that they replace.
-        let stored = u32::try_from(2 * records.len()).unwrap_or(u32::MAX);
+        let stored = u32::try_from(2 * known.len()).unwrap_or(u32::MAX);
         let most_patches = if options.on_demand.is_some() { u32::MAX } else { stored };
         let Budget { capacity, mesh_bytes: most_mesh_bytes, under_way } =
             Budget::new(&options, planet.cells, most_patches, context.limits().max_image_array_layers);
         let supply = Supply::new(path, &options, line.clone(), under_way);
         let mut tree = supply.bare_tree(&planet);
-        records.iter().for_each(|record| tree.insert(record.id, &record.facts));
+        known.iter().for_each(|(id, facts)| tree.insert(*id, facts));
         let keeper = supply.keeper(file.header());
         let side_file = keeper.as_ref().and_then(|keeper| keeper.side.as_ref()).map(|path| PlanetFile::open(path)).transpose()?;
         if let Some(file) = &side_file {
@@ -189,12 +197,14 @@ impl Scene {
         let scope = options.scope;
         let loader = supply.loader(&planet, keeper.as_ref(), &around)?;
         // The workers read the first patches while the clouds are made.
-        let parts = Parts { mesh: true, texture: options.textures && line.is_none() };
+        let is_far = supply.is_far(file.header());
+        let parts = Parts { mesh: true, texture: options.textures && !is_far };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(parts, None), 0.0)).collect());
-        let files = as_records(file, line.as_ref(), side_file);
+        let published = supply.published_records(file.header(), &Arc::default());
+        let files = all_records(file, line.as_ref(), side_file, published);
         let fetch = clouds::fetcher(files, planet.clone(), keeper.as_ref().and_then(Keeper::handle));
         let (map, late_clouds) = match options.textures {
-            true if line.is_some() => (None, Some(LateClouds::Waiting(Box::new(fetch)))),
+            true if is_far => (None, Some(LateClouds::Waiting(Box::new(fetch)))),
             true => (fetch(), None),
             false => (None, None),
         };
@@ -221,7 +231,7 @@ impl Scene {
             most_mesh_bytes,
             has_textures: options.textures,
             scope,
-            is_far: line.is_some(),
+            is_far,
             frame: 0,
             settled: false,
             full: false,

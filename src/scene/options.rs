@@ -2,6 +2,8 @@
 
 use super::keeper::CacheOptions;
 use super::{drawn_ground, loader, resident, textures};
+use std::sync::Arc;
+use terrane_planet::published::PublishedPlanet;
 use terrane_planet::store::slow::Delay;
 
 /// Fewest patches on the GPU: the six whole faces, and the children of one.
@@ -60,6 +62,9 @@ pub struct SceneOptions {
     pub scope: Scope,
     /// Reads the planet file as over a line that is so slow, for measurements.
     pub delay: Option<Delay>,
+    /// Where the planet is published: patches that the file lacks are fetched from there or built, whatever is sooner. Of another planet
+    /// than the file's, or one whose ground is another by now, nothing is fetched.
+    pub published: Option<Arc<PublishedPlanet>>,
 }
 
 impl SceneOptions {
@@ -72,6 +77,7 @@ impl SceneOptions {
             on_demand: None,
             scope: Scope::Whole,
             delay: None,
+            published: None,
         }
     }
 }
@@ -85,6 +91,7 @@ impl Default for SceneOptions {
             on_demand: None,
             scope: Scope::Still,
             delay: None,
+            published: None,
         }
     }
 }

@@ -6,7 +6,7 @@ use super::loader::{Loaded, LoadedMesh, LoadedTexture, Parts};
 use super::options::Scope;
 use super::textures::{Relief, TextureMips};
 use glam::DVec3;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, PoisonError, RwLock};
 use terrane_planet::draw::cut::{shows_textures, urgency};
@@ -23,6 +23,7 @@ use terrane_planet::mesh::progressive::{MeshPrefix, PatchFacts};
 use terrane_planet::mesh::survey::Survey;
 use terrane_planet::mesh::wake::Wake;
 use terrane_planet::planet::Planet;
+use terrane_planet::published::PublishedRecords;
 use terrane_planet::query::PatchGrid;
 use terrane_planet::store::slow::{Line, SlowFile};
 use terrane_planet::store::{records, surroundings, BakedPatch, PlanetFile, Records, StoreError};
@@ -71,22 +72,21 @@ pub(super) struct Source {
     pub(super) tally: Arc<Tally>,
 }
 
-/// The files of a scene, as its workers read them: the planet file, over a line if there is one, and the one beside it.
-pub(super) fn open_files(
-    path: &Path,
+/// Where records of a scene's planet come from, first to last: the planet file, over a line if there is one; the one beside it; and where
+/// the planet is published.
+pub(super) fn all_records(
+    file: PlanetFile,
     line: Option<&Arc<Line>>,
-    side: Option<&PathBuf>,
-) -> Result<Vec<Box<dyn Records>>, StoreError> {
-    Ok(as_records(PlanetFile::open(path)?, line, side.map(|side| PlanetFile::open(side)).transpose()?))
-}
-
-/// The same of files that are open.
-pub(super) fn as_records(file: PlanetFile, line: Option<&Arc<Line>>, side: Option<PlanetFile>) -> Vec<Box<dyn Records>> {
+    side: Option<PlanetFile>,
+    published: Option<PublishedRecords>,
+) -> Vec<Box<dyn Records>> {
     let file: Box<dyn Records> = match line {
         Some(line) => Box::new(SlowFile::new(file, line.clone())),
         None => Box::new(file),
     };
-    std::iter::once(file).chain(side.map(|side| Box::new(side) as Box<dyn Records>)).collect()
+    let side = side.map(|side| Box::new(side) as Box<dyn Records>);
+    let published = published.map(|published| Box::new(published) as Box<dyn Records>);
+    std::iter::once(file).chain(side).chain(published).collect()
 }
 
 impl Source {

@@ -3,14 +3,16 @@
 use super::keeper::Keeper;
 use super::loader::Loader;
 use super::options::SceneOptions;
-use super::source::{open_files, Source, Sun, Tally};
+use super::source::{all_records, Source, Sun, Tally};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, RwLock};
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::ground::surroundings::KnownSurroundings;
 use terrane_planet::planet::Planet;
+use terrane_planet::published::{Otherwise, PublishedPlanet, PublishedRecords};
 use terrane_planet::store::slow::Line;
-use terrane_planet::store::{PlanetHeader, StoreError};
+use terrane_planet::store::{PlanetFile, PlanetHeader, StoreError};
 
 /// Requests that are under way at a time over a line: its latency is waited out by all of them together.
 const IN_FLIGHT: usize = 16;
@@ -35,6 +37,22 @@ impl Supply {
     pub(super) fn new(path: &Path, options: &SceneOptions, line: Option<Arc<Line>>, under_way: usize) -> Supply {
         let (path, options) = (path.to_owned(), options.clone());
         Supply { path, options, line, under_way, tally: Arc::default(), sun: Arc::default() }
+    }
+
+    /// Where a planet is published, if that is this one with the ground that it has now.
+    pub(super) fn published(&self, header: &PlanetHeader) -> Option<&Arc<PublishedPlanet>> {
+        self.options.published.as_ref().filter(|published| published.header().checksum() == header.checksum())
+    }
+
+    /// Whether it takes time to come by what is stored.
+    pub(super) fn is_far(&self, header: &PlanetHeader) -> bool {
+        self.line.is_some() || self.published(header).is_some()
+    }
+
+    /// The records of a planet that is published; `stop` ends all waiting for them.
+    pub(super) fn published_records(&self, header: &PlanetHeader, stop: &Arc<AtomicBool>) -> Option<PublishedRecords> {
+        let otherwise = if self.builds() { Otherwise::Build } else { Otherwise::Wait(stop.clone()) };
+        self.published(header).map(|published| PublishedRecords::new(published.clone(), otherwise))
     }
 
     /// Whether what no file holds is built.
@@ -67,11 +85,18 @@ impl Supply {
         keeper: Option<&Keeper>,
         around: &Arc<KnownSurroundings>,
     ) -> Result<Loader, StoreError> {
-        let in_flight = if self.line.is_some() { IN_FLIGHT } else { 0 };
+        let header = planet.header();
+        let in_flight = if self.is_far(&header) { IN_FLIGHT } else { 0 };
         let side = keeper.and_then(|keeper| keeper.side.as_ref());
-        Loader::new(self.under_way, in_flight, || {
+        let stop = Arc::new(AtomicBool::new(false));
+        let records = || {
+            let side = side.map(|side| PlanetFile::open(side)).transpose()?;
+            let published = self.published_records(&header, &stop);
+            Ok(all_records(PlanetFile::open(&self.path)?, self.line.as_ref(), side, published))
+        };
+        Loader::new(self.under_way, in_flight, stop.clone(), || {
             Ok(Source {
-                files: open_files(&self.path, self.line.as_ref(), side)?,
+                files: records()?,
                 planet: planet.clone(),
                 builds: self.builds(),
                 textures: self.options.textures,

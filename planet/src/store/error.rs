@@ -182,6 +182,16 @@ pub enum StoreError {
         /// The patch.
         id: PatchId,
     },
+    /// Something of a published planet that cannot be had.
+    #[error("{file}: cannot fetch {what}: {reason}")]
+    Remote {
+        /// Where the planet is published.
+        file: PathBuf,
+        /// What was asked for.
+        what: String,
+        /// Why it did not come, or what came instead.
+        reason: String,
+    },
     /// Writing to a file that was opened for reading.
     #[error("{file}: opened for reading only; open it with create_or_resume or open_to_edit to change it")]
     ReadOnly {

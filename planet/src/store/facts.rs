@@ -39,7 +39,7 @@ fn bytes_of_quarters(quarters: &[Quarter; 4]) -> Vec<u8> {
 }
 
 /// Facts as little-endian bytes.
-pub(super) fn bytes(facts: &PatchFacts) -> Vec<u8> {
+pub(crate) fn bytes(facts: &PatchFacts) -> Vec<u8> {
     let mut bytes: Vec<u8> = whole_numbers(facts).iter().flat_map(|number| number.to_le_bytes()).collect();
     bytes.extend(facts.child_wake.to_le_bytes());
     bytes.extend(bytes_of_quarters(&facts.quarters));
@@ -47,7 +47,7 @@ pub(super) fn bytes(facts: &PatchFacts) -> Vec<u8> {
 }
 
 /// Reads what [`bytes`] wrote.
-pub(super) fn read(record: &mut RecordReader<'_>) -> Result<PatchFacts, RecordError> {
+pub(crate) fn read(record: &mut RecordReader<'_>) -> Result<PatchFacts, RecordError> {
     let mut numbers = [0; 8];
     for (k, number) in numbers.iter_mut().enumerate() {
         *number = record.i32(if k < 6 { "bounds" } else { "heights" })?;
@@ -84,7 +84,7 @@ pub(super) fn of_row(row: &Row, first: usize) -> rusqlite::Result<PatchFacts> {
 }
 
 /// Checks facts alone, without the vertices.
-pub(super) fn check(facts: &PatchFacts) -> Result<(), &'static str> {
+pub(crate) fn check(facts: &PatchFacts) -> Result<(), &'static str> {
     let PatchFacts { bounds, heights, child_wake, quarters } = *facts;
     let inside = |p: IVec3| p.cmpge(IVec3::splat(-EXTENT)).all() && p.cmple(IVec3::splat(EXTENT)).all();
     if !inside(bounds.low) || !inside(bounds.high) || !bounds.low.cmple(bounds.high).all() {

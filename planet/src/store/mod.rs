@@ -7,7 +7,7 @@
 mod baked;
 mod cached;
 mod error;
-mod facts;
+pub(crate) mod facts;
 pub mod geometry;
 mod header;
 pub mod imagery;

@@ -108,7 +108,7 @@ fn checksum(bytes: &[u8]) -> u32 {
 }
 
 /// Reads one record whose envelope is sound.
-pub(super) struct RecordReader<'a> {
+pub(crate) struct RecordReader<'a> {
     bytes: &'a [u8],
     /// Made for the first stream: it takes longer to make than most streams to read.
     decompressor: Option<zstd::bulk::Decompressor<'static>>,
@@ -126,7 +126,7 @@ impl<'a> RecordReader<'a> {
     }
 
     /// Reads what has no envelope of its own.
-    pub(super) fn of_body(bytes: &'a [u8]) -> RecordReader<'a> {
+    pub(crate) fn of_body(bytes: &'a [u8]) -> RecordReader<'a> {
         RecordReader { bytes, decompressor: None, raw: 0 }
     }
 
@@ -185,17 +185,17 @@ impl<'a> RecordReader<'a> {
     }
 
     /// The next bytes as they are.
-    pub(super) fn array<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], RecordError> {
+    pub(crate) fn array<const N: usize>(&mut self, what: &'static str) -> Result<[u8; N], RecordError> {
         let mut array = [0; N];
         array.copy_from_slice(self.take(N, what)?);
         Ok(array)
     }
 
-    pub(super) fn u16(&mut self, what: &'static str) -> Result<u16, RecordError> {
+    pub(crate) fn u16(&mut self, what: &'static str) -> Result<u16, RecordError> {
         Ok(u16::from_le_bytes(self.array(what)?))
     }
 
-    pub(super) fn u32(&mut self, what: &'static str) -> Result<u32, RecordError> {
+    pub(crate) fn u32(&mut self, what: &'static str) -> Result<u32, RecordError> {
         Ok(u32::from_le_bytes(self.array(what)?))
     }
 
@@ -233,7 +233,7 @@ impl<'a> RecordReader<'a> {
     }
 
     /// Ends the record: nothing may follow.
-    pub(super) fn finish(&self) -> Result<(), RecordError> {
+    pub(crate) fn finish(&self) -> Result<(), RecordError> {
         if self.bytes.is_empty() {
             Ok(())
         } else {

@@ -12,11 +12,8 @@ use crate::mesh::wake::Wake;
 use std::ops::Range;
 use std::path::Path;
 
-/// Bytes of a geometry record that are asked for first: its head, and in most cases the first chunk.
-const FIRST_BYTES: usize = 4096;
-
 /// What there are records of.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Part {
     /// A patch's mesh.
     Geometry,
@@ -51,7 +48,7 @@ pub trait Records: Send {
     /// If it cannot be read, or is damaged.
     fn facts(&self, id: PatchId) -> Result<Option<PatchFacts>, StoreError>;
 
-    /// Bytes of a record, as far as it has them.
+    /// Bytes of a record, as far as it has them; there may be more at their end than were asked for.
     ///
     /// # Errors
     /// If they cannot be read.
@@ -62,6 +59,11 @@ pub trait Records: Send {
     /// # Errors
     /// If it cannot be read.
     fn cloud_record(&self) -> Result<Option<Vec<u8>>, StoreError>;
+
+    /// How many bytes of a mesh are asked for first: its head, and in most cases the first chunk.
+    fn first_bytes(&self) -> usize {
+        4096
+    }
 }
 
 impl Records for PlanetFile {
@@ -97,7 +99,7 @@ pub fn mesh(
     enough: &dyn Fn(&PatchFacts, Wake) -> bool,
 ) -> Result<Option<MeshPrefix>, StoreError> {
     let cells = records.cells();
-    let Some(mut bytes) = records.bytes(id, Part::Geometry, 0..FIRST_BYTES)? else { return Ok(None) };
+    let Some(mut bytes) = records.bytes(id, Part::Geometry, 0..records.first_bytes())? else { return Ok(None) };
     let wrong = |reason| damaged(records, id, Part::Geometry, reason);
     let head = Head::read(&bytes, id, cells).map_err(wrong)?;
     let chunks = head.chunks_until(enough);

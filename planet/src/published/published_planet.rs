@@ -1,0 +1,363 @@
+//! A published planet as a source of records: bytes are asked for as they are wanted, and checked before anybody sees them.
+
+use super::directory::{root_of, Directory, Segment};
+use super::manifest::{Manifest, ManifestError, Reference};
+use super::name::ObjectName;
+use super::objects::{FetchError, Freshness, Objects};
+use crate::globe::patch::PatchId;
+use crate::mesh::progressive::PatchFacts;
+use crate::recipe::Asset;
+use crate::store::{geometry, Part, PlanetHeader, Records, StoreError};
+use std::collections::HashMap;
+use std::ops::Range;
+use std::path::Path;
+use std::fmt;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::{Duration, Instant};
+
+/// Most directories that are remembered, of a few kilobytes each.
+const MOST_DIRECTORIES: usize = 20_000;
+
+/// Most bytes of an object that is fetched whole: a recipe, an image of it, a map.
+const MOST_WHOLE: u32 = 1 << 30;
+
+/// How often bytes that are not those that were published are asked for anew.
+const TRIES: usize = 3;
+
+/// How long nothing is asked for after a fault: the first time, and at most.
+const FIRST_PAUSE: Duration = Duration::from_millis(500);
+const LONGEST_PAUSE: Duration = Duration::from_secs(20);
+
+/// How long a reader that has nothing else waits for bytes that do not come.
+const PATIENCE: Duration = Duration::from_secs(60);
+
+/// How often it looks whether it is still wanted.
+const MOMENT: Duration = Duration::from_millis(50);
+
+/// What came of a published planet so far.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Fetched {
+    /// Bytes of records and directories that were good.
+    pub bytes: u64,
+    /// Stretches of them.
+    pub segments: u64,
+    /// Stretches that were not what was published, and were asked for again.
+    pub refused: u64,
+    /// Questions without an answer.
+    pub failed: u64,
+}
+
+#[derive(Default)]
+struct Tally {
+    bytes: AtomicU64,
+    segments: AtomicU64,
+    refused: AtomicU64,
+    failed: AtomicU64,
+}
+
+/// A slot for a directory: locked while it is fetched, so that it is fetched once.
+type Slot = Arc<Mutex<Option<Arc<Directory>>>>;
+
+/// A planet that was published, wherever that is.
+pub struct PublishedPlanet {
+    objects: Box<dyn Objects>,
+    manifest: Manifest,
+    header: PlanetHeader,
+    directories: Mutex<HashMap<PatchId, Slot>>,
+    tally: Tally,
+    /// Until when nothing is asked for, and how long that was the last time.
+    pause: Mutex<Option<(Instant, Duration)>>,
+}
+
+impl PublishedPlanet {
+    /// Reads what a published planet is: `planet.json`, its recipe and the files that this names.
+    ///
+    /// # Errors
+    /// If they do not come, or are not what was published.
+    pub fn open(objects: Box<dyn Objects>) -> Result<PublishedPlanet, StoreError> {
+        let file = objects.place().to_owned();
+        let failed = |what: &str, reason: String| StoreError::Remote { file: file.clone(), what: what.to_owned(), reason };
+        let bytes = objects.manifest().map_err(|error| failed("planet.json", error.to_string()))?;
+        let manifest = Manifest::parse(&bytes).map_err(|error: ManifestError| failed("planet.json", error.to_string()))?;
+        let header = PlanetHeader {
+            name: manifest.name.clone(),
+            recipe: String::new(),
+            assets: Vec::new(),
+            cells: manifest.cells,
+            lattice: manifest.lattice(),
+            height_range: manifest.height_range_m,
+        };
+        let mut planet = PublishedPlanet {
+            objects,
+            manifest,
+            header,
+            directories: Mutex::default(),
+            tally: Tally::default(),
+            pause: Mutex::new(None),
+        };
+        let recipe = planet.whole(planet.manifest.recipe, "its recipe")?;
+        let recipe = String::from_utf8(recipe).map_err(|_| failed("its recipe", "it is not UTF-8".to_owned()))?;
+        let assets = planet.manifest.assets.iter().map(|asset| {
+            let bytes = planet.whole(asset.reference, &asset.name)?;
+            Ok(Asset { name: asset.name.clone(), bytes })
+        });
+        let assets = assets.collect::<Result<_, StoreError>>()?;
+        (planet.header.recipe, planet.header.assets) = (recipe, assets);
+        Ok(planet)
+    }
+
+    /// What a planet file of it says.
+    pub fn header(&self) -> &PlanetHeader {
+        &self.header
+    }
+
+    /// What its `planet.json` says.
+    pub fn manifest(&self) -> &Manifest {
+        &self.manifest
+    }
+
+    /// Where it is, for messages.
+    pub fn place(&self) -> &Path {
+        self.objects.place()
+    }
+
+    /// What came of it so far.
+    pub fn fetched(&self) -> Fetched {
+        let Tally { bytes, segments, refused, failed } = &self.tally;
+        let [bytes, segments, refused, failed] = [bytes, segments, refused, failed].map(|n| n.load(Ordering::Relaxed));
+        Fetched { bytes, segments, refused, failed }
+    }
+
+    /// What is known of all its patches: every directory is read.
+    ///
+    /// # Errors
+    /// If one does not come, or is damaged.
+    pub fn index(&self, progress: &dyn Fn(usize)) -> Result<Vec<(PatchId, PatchFacts)>, StoreError> {
+        let mut index = Vec::new();
+        let mut open: Vec<PatchId> = PatchId::roots().collect();
+        while let Some(root) = open.pop() {
+            if let Some(directory) = self.patiently(&AtomicBool::new(false), || self.directory(root))? {
+                let whole = directory.patches.iter().filter(|patch| !patch.geometry.is_empty());
+                index.extend(whole.map(|patch| (patch.id, patch.facts)));
+                open.extend(directory.below.iter().map(|(root, _)| *root));
+                progress(index.len());
+            }
+        }
+        index.sort_by_key(|(id, _)| (id.level, id.face, id.y, id.x));
+        Ok(index)
+    }
+
+    /// An object as a whole.
+    fn whole(&self, reference: Reference, what: &str) -> Result<Vec<u8>, StoreError> {
+        let Reference { object, bytes } = reference;
+        if bytes > MOST_WHOLE {
+            let reason = format!("{bytes} bytes, expected at most {MOST_WHOLE}");
+            return Err(StoreError::Remote { file: self.place().to_owned(), what: what.to_owned(), reason });
+        }
+        let holds = |found: &[u8]| found.len() == bytes as usize && ObjectName::of(found) == object;
+        self.patiently(&AtomicBool::new(false), || self.checked(object, 0..u64::from(bytes), &holds, what))
+    }
+
+    /// The directory of the shard with this root, if there is one.
+    fn directory(&self, root: PatchId) -> Result<Option<Arc<Directory>>, Fault> {
+        let slot = {
+            let mut directories = lock(&self.directories);
+            if directories.len() >= MOST_DIRECTORIES {
+                directories.clear();
+            }
+            directories.entry(root).or_default().clone()
+        };
+        // Directories above are taken while this one is locked, and none below: nobody waits for whom he keeps waiting.
+        let mut there = lock(&slot);
+        if there.is_none() {
+            let reference = match root.parent() {
+                None => Some(self.manifest.faces[usize::from(root.face.index())]),
+                Some(parent) => {
+                    self.directory(root_of(parent))?.and_then(|above| above.towards(root)).map(|(_, reference)| reference)
+                }
+            };
+            let Some(Reference { object, bytes }) = reference else { return Ok(None) };
+            let what = format!("the directory of {root}");
+            let holds = |found: &[u8]| found.len() == bytes as usize && ObjectName::of(found) == object;
+            let found = self.checked(object, 0..u64::from(bytes), &holds, &what)?;
+            let directory = Directory::decode(&found, root).map_err(|reason| Fault::Final(self.error(&what, reason.to_string())))?;
+            *there = Some(Arc::new(directory));
+        }
+        Ok(there.clone())
+    }
+
+    /// Bytes of a record, as far as it has them: the segments that hold them.
+    fn bytes(&self, id: PatchId, part: Part, range: &Range<usize>) -> Result<Option<Vec<u8>>, Fault> {
+        let Some(directory) = self.directory(root_of(id))? else { return Ok(None) };
+        let segments = directory.patch(id).map_or(&[] as &[Segment], |patch| patch.segments(part));
+        if segments.is_empty() {
+            return Ok(None);
+        }
+        let (mut bytes, mut at) = (Vec::new(), 0);
+        for (number, segment) in segments.iter().enumerate() {
+            let (start, end) = (at, at + segment.length() as usize);
+            at = end;
+            if end <= range.start || start >= range.end {
+                continue;
+            }
+            let what = format!("segment {} of {} of the {} of patch {id}", number + 1, segments.len(), part.name());
+            let found = self.checked(directory.data, segment.data.clone(), &|found| segment.holds(found), &what)?;
+            // To its end: it was paid for.
+            bytes.extend_from_slice(&found[range.start.saturating_sub(start)..]);
+        }
+        Ok(Some(bytes))
+    }
+
+    /// Bytes of an object that are what was published.
+    fn checked(&self, object: ObjectName, range: Range<u64>, holds: &dyn Fn(&[u8]) -> bool, what: &str) -> Result<Vec<u8>, Fault> {
+        for attempt in 0..TRIES {
+            let from = if attempt == 0 { Freshness::Any } else { Freshness::Origin };
+            match self.objects.read(object, range.clone(), from) {
+                Ok(bytes) if holds(&bytes) => {
+                    self.tally.segments.fetch_add(1, Ordering::Relaxed);
+                    self.tally.bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
+                    *lock(&self.pause) = None;
+                    return Ok(bytes);
+                }
+                Ok(bytes) => {
+                    self.tally.refused.fetch_add(1, Ordering::Relaxed);
+                    let (place, found, path) = (self.place().display(), bytes.len(), object.path());
+                    tracing::warn!("{place}: {what} ({path}, bytes {range:?}): {found} bytes that are not those that were published; asked for again");
+                }
+                Err(FetchError::Missing(reason)) => return Err(Fault::Final(self.error(what, reason))),
+                Err(FetchError::Unreachable(reason)) => {
+                    self.tally.failed.fetch_add(1, Ordering::Relaxed);
+                    return Err(Fault::Passing(self.error(what, reason)));
+                }
+            }
+        }
+        Err(Fault::Final(self.error(what, format!("{} gave {TRIES} times bytes that are not those that were published", object.path()))))
+    }
+
+    fn error(&self, what: &str, reason: String) -> StoreError {
+        StoreError::Remote { file: self.place().to_owned(), what: what.to_owned(), reason }
+    }
+
+    /// Whether nothing is asked for at the moment.
+    fn pauses(&self) -> bool {
+        lock(&self.pause).is_some_and(|(until, _)| Instant::now() < until)
+    }
+
+    /// Asks for nothing for a while; says so, the first time.
+    fn pause(&self, error: &StoreError) {
+        let mut pause = lock(&self.pause);
+        let now = Instant::now();
+        if pause.is_some_and(|(until, _)| now < until) {
+            return;
+        }
+        let length = pause.map_or(FIRST_PAUSE, |(_, length)| (2 * length).min(LONGEST_PAUSE));
+        if pause.is_none() {
+            tracing::warn!("{error}; it is asked for again later");
+        }
+        *pause = Some((now + length, length));
+    }
+
+    /// Asks until an answer comes, patience ends or nobody waits any more.
+    fn patiently<T>(&self, stop: &AtomicBool, mut ask: impl FnMut() -> Result<T, Fault>) -> Result<T, StoreError> {
+        let begun = Instant::now();
+        let is_stopped = || stop.load(Ordering::Relaxed);
+        loop {
+            match ask() {
+                Ok(answer) => return Ok(answer),
+                Err(Fault::Final(error)) => return Err(error),
+                Err(Fault::Passing(error)) if begun.elapsed() > PATIENCE || is_stopped() => return Err(error),
+                Err(Fault::Passing(error)) => self.pause(&error),
+            }
+            while self.pauses() && !is_stopped() {
+                std::thread::sleep(MOMENT);
+            }
+        }
+    }
+}
+
+/// Why an answer did not come.
+enum Fault {
+    /// It may come later.
+    Passing(StoreError),
+    /// It will not.
+    Final(StoreError),
+}
+
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+impl fmt::Debug for PublishedPlanet {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_struct("PublishedPlanet").field("place", &self.place()).finish_non_exhaustive()
+    }
+}
+
+/// What a reader does while bytes do not come.
+#[derive(Clone, Debug)]
+pub enum Otherwise {
+    /// It builds: there is nothing for it then, nor while more is asked for than can be on its way.
+    Build,
+    /// It waits, and goes on when the planet can be reached again; not any more once this is raised.
+    Wait(Arc<AtomicBool>),
+}
+
+/// The records of a published planet.
+#[derive(Clone, Debug)]
+pub struct PublishedRecords {
+    planet: Arc<PublishedPlanet>,
+    otherwise: Otherwise,
+}
+
+impl PublishedRecords {
+    /// For a reader.
+    pub fn new(planet: Arc<PublishedPlanet>, otherwise: Otherwise) -> PublishedRecords {
+        PublishedRecords { planet, otherwise }
+    }
+
+    fn ask<T>(&self, ask: impl Fn() -> Result<Option<T>, Fault>) -> Result<Option<T>, StoreError> {
+        match &self.otherwise {
+            Otherwise::Wait(stop) => self.planet.patiently(stop, ask),
+            Otherwise::Build if self.planet.pauses() || self.planet.objects.is_busy() => Ok(None),
+            Otherwise::Build => ask().or_else(|fault| {
+                let (Fault::Passing(error) | Fault::Final(error)) = fault;
+                self.planet.pause(&error);
+                Ok(None)
+            }),
+        }
+    }
+}
+
+impl Records for PublishedRecords {
+    fn path(&self) -> &Path {
+        self.planet.place()
+    }
+
+    fn cells(&self) -> u32 {
+        self.planet.manifest.cells
+    }
+
+    fn facts(&self, id: PatchId) -> Result<Option<PatchFacts>, StoreError> {
+        self.ask(|| Ok(self.planet.directory(root_of(id))?.and_then(|directory| directory.patch(id).map(|patch| patch.facts))))
+    }
+
+    fn bytes(&self, id: PatchId, part: Part, range: Range<usize>) -> Result<Option<Vec<u8>>, StoreError> {
+        if part == Part::Surroundings {
+            return Ok(None);
+        }
+        self.ask(|| self.planet.bytes(id, part, &range))
+    }
+
+    fn cloud_record(&self) -> Result<Option<Vec<u8>>, StoreError> {
+        // They take less time to compute than to fetch.
+        let is_built = matches!(self.otherwise, Otherwise::Build);
+        let Some(reference) = self.planet.manifest.clouds.filter(|_| !is_built) else { return Ok(None) };
+        self.planet.whole(reference, "the map of clouds").map(Some)
+    }
+
+    fn first_bytes(&self) -> usize {
+        // The head: its segment holds the first chunk as well.
+        geometry::head_bytes(self.planet.manifest.cells)
+    }
+}
