@@ -13,8 +13,8 @@ use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::edits::{add, finish};
 use terrane_planet::planet::Planet;
 use terrane_planet::published::{
-    publish, FetchError, FolderObjects, Freshness, ObjectName, Objects, Otherwise, PublishError, PublishedPlanet, PublishedRecords,
-    Publishing,
+    publish, FetchError, FolderObjects, Freshness, ObjectName, Objects, Otherwise, PublishError, PublishedPlanet,
+    PublishedRecords, Publishing,
 };
 use terrane_planet::recipe::{Edit, Recipe, Shape};
 use terrane_planet::store::{records, Part, PlanetFile, Records, StoreError};
@@ -86,7 +86,10 @@ fn a_folder_answers_what_its_planet_file_answers_and_nothing_is_written_twice() 
     for (id, facts) in index {
         assert_eq!(far.facts(id).unwrap(), Some(facts));
         for part in [Part::Geometry, Part::Texture] {
-            assert!(far.bytes(id, part, 0..usize::MAX).unwrap() == Records::bytes(&file, id, part, 0..usize::MAX).unwrap(), "{id}");
+            assert!(
+                far.bytes(id, part, 0..usize::MAX).unwrap() == Records::bytes(&file, id, part, 0..usize::MAX).unwrap(),
+                "{id}"
+            );
         }
         for enough in [true, false] {
             let mesh = |records: &dyn Records| records::mesh(records, id, &|_, _| enough).unwrap();
@@ -188,7 +191,10 @@ fn bytes_that_are_not_what_was_published_are_asked_for_again_or_refused_by_name(
     let text = std::fs::read_to_string(folder.join("planet.json")).unwrap();
     for (wrong, reason) in [
         ("{}".to_owned(), "not a planet.json of a published planet"),
-        (text.replace("\"terrane_layout\": 1", "\"terrane_layout\": 2"), "layout 2, expected 1; it was published by a newer Terrane"),
+        (
+            text.replace("\"terrane_layout\": 1", "\"terrane_layout\": 2"),
+            "layout 2, expected 1; it was published by a newer Terrane",
+        ),
         (text.replace("\"format\": 7", "\"format\": 6"), "format 6, expected 7; it was published by an older Terrane"),
         (text.replace("\"patches\"", "\"pitches\""), "missing field `patches`"),
     ] {

@@ -73,6 +73,7 @@ impl App {
         match host.open(what).and_then(|opened| flight.open(&opened).map_err(|error| error.to_string()).map(|()| opened)) {
             Ok(opened) => {
                 self.options.file = opened.file;
+                self.options.scene.published = opened.published;
                 self.options.settings.note_opened(&opened.name);
                 flight.panel.recent = self.options.settings.recent.clone();
                 let over = format!("over {}", flight.scene.planet().recipe.name);

@@ -3,9 +3,11 @@
 use crate::frame::Look;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use terrane_planet::draw::camera_path::Route;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::draw::view_line::ViewLine;
+use terrane_planet::published::PublishedPlanet;
 
 /// A picture of 8 bits a channel.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,6 +36,8 @@ pub struct Opened {
     pub name: String,
     /// Planet file.
     pub file: PathBuf,
+    /// Where what the file lacks is published, if it is to be fetched.
+    pub published: Option<Arc<PublishedPlanet>>,
     /// Where to begin; its size is not looked at.
     pub camera: Camera,
     /// How it looks there.

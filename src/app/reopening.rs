@@ -29,6 +29,7 @@ impl Flight {
     /// A file that cannot be opened: the planet before stays. Device loss.
     pub(super) fn open(&mut self, opened: &Opened) -> Result<(), AppError> {
         self.context.wait_idle()?;
+        self.options.published.clone_from(&opened.published);
         let options = SceneOptions { scope: Scope::Flight, ..self.options.clone() };
         self.scene = Scene::open(&self.context, &opened.file, options)?;
         self.viewer.appear(&Camera { size: self.viewer.lens.size, ..opened.camera });

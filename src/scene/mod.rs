@@ -170,7 +170,8 @@ impl Scene {
         let mut known: HashMap<PatchId, PatchFacts> = HashMap::new();
         if options.on_demand.is_none() {
             // Of a planet that is published all must be known that there is.
-            let published = options.published.iter().filter(|published| published.header().checksum() == file.header().checksum());
+            let published =
+                options.published.iter().filter(|published| published.header().checksum() == file.header().checksum());
             published.map(|published| published.index(&|_| ())).try_for_each(|index| index.map(|index| known.extend(index)))?;
         }
         known.extend(records.iter().map(|record| (record.id, record.facts)));

@@ -5,6 +5,7 @@
 mod commands;
 mod compare;
 mod log;
+mod network;
 mod study;
 mod svg;
 

@@ -9,8 +9,8 @@ use super::name::ObjectName;
 use crate::globe::patch::PatchId;
 use crate::globe::sphere::Face;
 use crate::mesh::progressive::PatchFacts;
-use crate::store::{facts, Part, RecordError};
 use crate::store::record::RecordReader;
+use crate::store::{facts, Part, RecordError};
 use sha2::{Digest, Sha256};
 use std::ops::Range;
 

@@ -124,7 +124,11 @@ impl Manifest {
             let newer = "it was published by a newer Terrane: use that one";
             let older = "it was published by an older Terrane: publish it again";
             let advice = if found > expected { newer } else { older };
-            if found == expected { Ok(()) } else { Err(ManifestError::Version { what, found, expected, advice }) }
+            if found == expected {
+                Ok(())
+            } else {
+                Err(ManifestError::Version { what, found, expected, advice })
+            }
         };
         check("layout", stamp.terrane_layout, LAYOUT_VERSION)?;
         let manifest: Manifest = serde_json::from_slice(bytes).map_err(ManifestError::Foreign)?;

@@ -70,7 +70,9 @@ impl Serialize for ObjectName {
 impl<'de> Deserialize<'de> for ObjectName {
     fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         let text = String::deserialize(deserializer)?;
-        ObjectName::parse(&text).ok_or_else(|| serde::de::Error::custom(format!("'{text}' is no name of an object: expected 32 digits, 0 to 9 and a to f")))
+        ObjectName::parse(&text).ok_or_else(|| {
+            serde::de::Error::custom(format!("'{text}' is no name of an object: expected 32 digits, 0 to 9 and a to f"))
+        })
     }
 }
 
@@ -85,7 +87,13 @@ mod tests {
         assert_eq!(name.to_string(), "ba7816bf8f01cfea414140de5dae2223");
         assert_eq!(name.path(), "objects/ba/ba7816bf8f01cfea414140de5dae2223");
         assert_eq!(ObjectName::parse(&name.to_string()), Some(name));
-        for wrong in ["", "ba7816bf", "BA7816BF8F01CFEA414140DE5DAE2223", "../16bf8f01cfea414140de5dae2223xx", "ß7816bf8f01cfea414140de5dae222"] {
+        for wrong in [
+            "",
+            "ba7816bf",
+            "BA7816BF8F01CFEA414140DE5DAE2223",
+            "../16bf8f01cfea414140de5dae2223xx",
+            "ß7816bf8f01cfea414140de5dae222",
+        ] {
             assert_eq!(ObjectName::parse(wrong), None, "{wrong}");
         }
     }

@@ -49,6 +49,11 @@ pub trait Objects: Send + Sync {
     fn is_busy(&self) -> bool {
         false
     }
+
+    /// Requests that went over a network so far, and bytes that came by them.
+    fn traffic(&self) -> (u64, u64) {
+        (0, 0)
+    }
 }
 
 /// A folder on this machine.

@@ -9,9 +9,9 @@ use crate::mesh::progressive::PatchFacts;
 use crate::recipe::Asset;
 use crate::store::{geometry, Part, PlanetHeader, Records, StoreError};
 use std::collections::HashMap;
+use std::fmt;
 use std::ops::Range;
 use std::path::Path;
-use std::fmt;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
@@ -46,6 +46,8 @@ pub struct Fetched {
     pub refused: u64,
     /// Questions without an answer.
     pub failed: u64,
+    /// Requests that went over a network, and bytes that came by them.
+    pub traffic: (u64, u64),
 }
 
 #[derive(Default)]
@@ -126,7 +128,7 @@ impl PublishedPlanet {
     pub fn fetched(&self) -> Fetched {
         let Tally { bytes, segments, refused, failed } = &self.tally;
         let [bytes, segments, refused, failed] = [bytes, segments, refused, failed].map(|n| n.load(Ordering::Relaxed));
-        Fetched { bytes, segments, refused, failed }
+        Fetched { bytes, segments, refused, failed, traffic: self.objects.traffic() }
     }
 
     /// What is known of all its patches: every directory is read.
@@ -181,7 +183,8 @@ impl PublishedPlanet {
             let what = format!("the directory of {root}");
             let holds = |found: &[u8]| found.len() == bytes as usize && ObjectName::of(found) == object;
             let found = self.checked(object, 0..u64::from(bytes), &holds, &what)?;
-            let directory = Directory::decode(&found, root).map_err(|reason| Fault::Final(self.error(&what, reason.to_string())))?;
+            let directory =
+                Directory::decode(&found, root).map_err(|reason| Fault::Final(self.error(&what, reason.to_string())))?;
             *there = Some(Arc::new(directory));
         }
         Ok(there.clone())
@@ -210,7 +213,13 @@ impl PublishedPlanet {
     }
 
     /// Bytes of an object that are what was published.
-    fn checked(&self, object: ObjectName, range: Range<u64>, holds: &dyn Fn(&[u8]) -> bool, what: &str) -> Result<Vec<u8>, Fault> {
+    fn checked(
+        &self,
+        object: ObjectName,
+        range: Range<u64>,
+        holds: &dyn Fn(&[u8]) -> bool,
+        what: &str,
+    ) -> Result<Vec<u8>, Fault> {
         for attempt in 0..TRIES {
             let from = if attempt == 0 { Freshness::Any } else { Freshness::Origin };
             match self.objects.read(object, range.clone(), from) {
@@ -232,7 +241,9 @@ impl PublishedPlanet {
                 }
             }
         }
-        Err(Fault::Final(self.error(what, format!("{} gave {TRIES} times bytes that are not those that were published", object.path()))))
+        Err(Fault::Final(
+            self.error(what, format!("{} gave {TRIES} times bytes that are not those that were published", object.path())),
+        ))
     }
 
     fn error(&self, what: &str, reason: String) -> StoreError {

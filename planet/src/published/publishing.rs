@@ -116,9 +116,10 @@ pub fn publish(
         let root = PatchId::roots().nth(k).map(Root::of);
         root.and_then(|root| below.get(&root)).map_or_else(|| Reference::to(&[]), |found| found[0].1)
     };
-    let assets = header.assets.iter().map(|asset| {
-        Ok(NamedReference { name: asset.name.clone(), reference: writer.object(&asset.bytes)? })
-    });
+    let assets = header
+        .assets
+        .iter()
+        .map(|asset| Ok(NamedReference { name: asset.name.clone(), reference: writer.object(&asset.bytes)? }));
     let assets = assets.collect::<Result<_, PublishError>>()?;
     let recipe = writer.object(header.recipe.as_bytes())?;
     let clouds = Records::cloud_record(file)?.map(|record| writer.object(&record)).transpose()?;
@@ -164,7 +165,8 @@ impl Root {
 fn check_folder(folder: &Path, name: &str) -> Result<(), PublishError> {
     let path = folder.join(MANIFEST);
     let Ok(bytes) = std::fs::read(&path) else { return Ok(()) };
-    let there = serde_json::from_slice::<serde_json::Value>(&bytes).ok().and_then(|there| there["name"].as_str().map(str::to_owned));
+    let there =
+        serde_json::from_slice::<serde_json::Value>(&bytes).ok().and_then(|there| there["name"].as_str().map(str::to_owned));
     match there {
         Some(there) if there == name => Ok(()),
         there => {
@@ -290,11 +292,11 @@ fn put(path: &Path, bytes: &[u8]) -> Result<(), PublishError> {
         file.write_all(bytes)?;
         file.sync_data()
     };
-    let moved = write().map_err(system("write it")).and_then(|()| std::fs::rename(&draft, path).map_err(system("move it into place")));
+    let moved =
+        write().map_err(system("write it")).and_then(|()| std::fs::rename(&draft, path).map_err(system("move it into place")));
     if moved.is_err() {
         // The first error is the one to report.
         let _ = std::fs::remove_file(&draft);
     }
     moved
 }
-

@@ -99,7 +99,7 @@ impl Run for Bench {
         check_tolerance(self.error)?;
         let path = GivenPath::read(self.path())?;
         let scope = if self.live { Scope::Flight } else { Scope::Still };
-        let (context, mut scene) = self.draw.open_for(&self.file, scope)?;
+        let (context, mut scene) = self.draw.open_for(&place, scope)?;
         let path = path.over(scene.planet())?;
         let [width, height] = self.size;
         let mut headless = Headless::new(&context, (width, height))?;

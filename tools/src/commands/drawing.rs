@@ -1,6 +1,7 @@
 //! What all commands share that draw with a GPU: how the mesh follows the view, which patches there are, how the picture looks, which GPU.
 
 use super::look_options::LookOptions;
+use super::planets::PlanetPlace;
 use super::viewing::{Exposure, GpuOptions, MeshOptions, PatchOptions};
 use std::path::Path;
 use std::sync::Arc;
@@ -46,13 +47,13 @@ impl DrawOptions {
     }
 
     /// A context without a window, and a planet file as a scene on it, for single pictures.
-    pub(crate) fn open(&self, file: &Path) -> anyhow::Result<(Arc<Context>, Scene)> {
-        self.open_for(file, Scope::Still)
+    pub(crate) fn open(&self, place: &PlanetPlace) -> anyhow::Result<(Arc<Context>, Scene)> {
+        self.open_for(place, Scope::Still)
     }
 
     /// A context without a window, and a planet file as a scene on it.
-    pub(crate) fn open_for(&self, file: &Path, scope: Scope) -> anyhow::Result<(Arc<Context>, Scene)> {
-        self.open_with(file, SceneOptions { scope, ..self.patches.options()? })
+    pub(crate) fn open_for(&self, place: &PlanetPlace, scope: Scope) -> anyhow::Result<(Arc<Context>, Scene)> {
+        self.open_with(place.path(), SceneOptions { scope, published: self.patches.published(place), ..self.patches.options()? })
     }
 
     /// A context without a window, and a planet file as a scene on it.

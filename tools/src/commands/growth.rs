@@ -5,6 +5,7 @@ mod plot;
 
 use super::drawing::DrawOptions;
 use super::output::{check_output, Output};
+use super::planets::PlanetPlace;
 use super::viewing::{check_tolerance, CameraOptions, Exposure};
 use super::{pictures, Run};
 use crate::Outcome;
@@ -78,7 +79,7 @@ impl Run for Growth {
         if let Some(out) = &self.plot {
             check_output("--plot", out, Output::File(&[]))?;
         }
-        let (context, mut scene) = self.draw.open(&self.file)?;
+        let (context, mut scene) = self.draw.open(&PlanetPlace::of_file(&self.file))?;
         let camera = self.camera.camera(scene.planet())?;
         let [width, height] = camera.size;
         let mut headless = Headless::new(&context, (width, height))?;

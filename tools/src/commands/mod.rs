@@ -23,6 +23,7 @@ mod packing;
 mod paths;
 mod pictures;
 mod planets;
+mod publish;
 mod radiance;
 mod raster;
 mod recipes;
@@ -74,6 +75,7 @@ commands! {
     height => Height,
     info => Info,
     mesh => Mesh,
+    publish => Publish,
     raster => Raster,
     record => Record,
     shot => Shot,

@@ -1,33 +1,52 @@
-//! The planet that a command is given: a planet file; or a recipe, or the name of one, whose file is kept in the user's cache.
+//! The planet that a command is given: a planet file; or a recipe, the name of one, or the address of one that is published, whose file is
+//! kept in the user's cache.
 
+use super::building::Report;
 use super::recipes::load_recipe;
-use anyhow::{bail, Context as _};
+use crate::network::{is_address, FetchCache, HttpObjects};
+use anyhow::{bail, ensure, Context as _};
+use rayon::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
+use std::sync::Arc;
+use std::time::Instant;
 use tempfile::TempDir;
 use terrane_planet::draw::view_line::ViewLine;
+use terrane_planet::globe::patch::PatchId;
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::Planet;
+use terrane_planet::published::{Otherwise, PublishedPlanet, PublishedRecords};
 use terrane_planet::recipe::{shipped, Recipe};
-use terrane_planet::store::{PlanetFile, PlanetHeader, StoreError};
+use terrane_planet::store::{records, BakedPatch, PlanetFile, PlanetHeader, StoreError};
 
 /// Cells along a patch side of a recipe's planet, as `terrane bake` has them.
 pub(crate) const CELLS: u32 = 64;
 
 /// What stands for a planet in help texts, and their words.
-pub(crate) const FILE: &str = "FILE|RECIPE|NAME";
-pub(crate) const HELP: &str = "Planet file; or a recipe: a TOML file, or the name of one that comes with the command";
+pub(crate) const FILE: &str = "FILE|RECIPE|NAME|URL";
+pub(crate) const HELP: &str = "Planet file; or a recipe: a TOML file, or the name of one that comes with the command; or the address of the planet.json of a \
+     published planet";
 
 /// The same where a view may name the planet.
 pub(crate) const WITH_VIEW: &str =
-    "Planet file; or a recipe: a TOML file, or the name of one that comes with the command [default: that of --view]";
+    "Planet file; or a recipe: a TOML file, or the name of one that comes with the command; or the address of the planet.json of a published \
+     planet [default: that of --view]";
 
 /// Finest level of the whole planet that is built for commands that build nothing themselves.
 const LEVELS: u8 = 1;
 
+/// Patches that are asked for at a time where all are, and written at a time.
+const DOWNLOADS: usize = 16;
+const DOWNLOADED_AT_ONCE: usize = 64;
+
+/// Most bytes of published planets that the cache keeps.
+const FETCHED_BYTES: u64 = 2_000_000_000;
+
 /// Where a planet file is.
 pub(crate) struct PlanetPlace {
     path: PathBuf,
+    /// Where the planet was published that it is to hold.
+    published: Option<Arc<PublishedPlanet>>,
     /// Where the user's cache cannot be written: a folder that goes with this.
     _folder: Option<TempDir>,
 }
@@ -36,6 +55,16 @@ impl PlanetPlace {
     /// The file.
     pub(crate) fn path(&self) -> &Path {
         &self.path
+    }
+
+    /// Where what the file lacks is published, if it is.
+    pub(crate) fn published(&self) -> Option<&Arc<PublishedPlanet>> {
+        self.published.as_ref()
+    }
+
+    /// A planet file that is there.
+    pub(crate) fn of_file(path: &Path) -> PlanetPlace {
+        PlanetPlace { path: path.to_owned(), published: None, _folder: None }
     }
 }
 
@@ -46,9 +75,12 @@ pub(crate) fn planet_file(given: Option<&Path>, view: Option<&ViewLine>) -> anyh
     let Some(path) = given.or(seen) else {
         bail!("no planet: expected a planet file, a recipe or one of {}, or --view with the text of a picture", names.join(", "));
     };
+    if let Some(address) = path.to_str().filter(|text| is_address(text)) {
+        return fetched(address);
+    }
     let is_recipe = path.extension().is_some_and(|extension| extension == "toml");
     if path.is_file() && !is_recipe {
-        return Ok(PlanetPlace { path: path.to_owned(), _folder: None });
+        return Ok(PlanetPlace::of_file(path));
     }
     let lower = path.to_string_lossy().to_lowercase();
     let is_name = names.contains(&lower.as_str());
@@ -72,6 +104,10 @@ pub(crate) fn built_planet_file(given: Option<&Path>, view: Option<&ViewLine>) -
     let header = PlanetFile::open(place.path())?.header().clone();
     let planet = Planet::from_header(&header)?;
     let mut file = PlanetFile::create_or_resume(place.path(), &header)?;
+    if let Some(published) = place.published() {
+        download(published, &mut file)?;
+        return Ok(place);
+    }
     let plan = BakePlan::new(planet.recipe.radius, LEVELS, None)?;
     let threads = super::building::Threads::default().count();
     bake(&mut file, &planet.terrain, &planet.terrain, &plan, threads, &|_| (), &AtomicBool::new(false))
@@ -79,19 +115,62 @@ pub(crate) fn built_planet_file(given: Option<&Path>, view: Option<&ViewLine>) -
     Ok(place)
 }
 
+/// The file of a planet that is published, and where that is.
+fn fetched(address: &str) -> anyhow::Result<PlanetPlace> {
+    let folders = directories::ProjectDirs::from("", "", "terrane");
+    let cache = folders.and_then(|folders| FetchCache::open(folders.cache_dir(), FETCHED_BYTES));
+    let published = PublishedPlanet::open(Box::new(HttpObjects::new(address, cache)?))?;
+    let planet = Planet::from_header(published.header())?;
+    Ok(PlanetPlace { published: Some(Arc::new(published)), ..cached(&planet)? })
+}
+
+/// Fetches all that is published of a planet into its file.
+fn download(published: &Arc<PublishedPlanet>, file: &mut PlanetFile) -> anyhow::Result<()> {
+    let (begun, manifest) = (Instant::now(), published.manifest());
+    ensure!(
+        manifest.bytes <= FETCHED_BYTES,
+        "{}: this command reads all of a planet, and {:.1} GB of it are published; expected at most {:.1} GB. Bake the part that you need \
+         into a file, with --region",
+        published.place().display(),
+        manifest.bytes as f64 / 1e9,
+        FETCHED_BYTES as f64 / 1e9
+    );
+    let (records, report) =
+        (PublishedRecords::new(published.clone(), Otherwise::Wait(Arc::default())), Report::new(&manifest.name));
+    let (index, there) = (published.index(&|_| ())?, file.ids()?);
+    let missing: Vec<PatchId> = index.iter().map(|(id, _)| *id).filter(|id| !there.contains(id)).collect();
+    let patch = |&id: &PatchId| {
+        let mesh = records::mesh(&records, id, &|_, _| false)?;
+        let texture = records::texture(&records, id)?;
+        let facts = mesh.as_ref().map(|prefix| prefix.mesh.facts);
+        let facts = facts.with_context(|| format!("{}: patch {id} is not there", published.place().display()))?;
+        let mesh = mesh.map(|prefix| prefix.mesh);
+        Ok(BakedPatch::in_part(id, &facts, manifest.cells, mesh.as_ref(), texture.as_ref())?)
+    };
+    // Many at a time: they wait for each other on the line.
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(DOWNLOADS).build().context("cannot start threads")?;
+    for (k, some) in missing.chunks(DOWNLOADED_AT_ONCE).enumerate() {
+        let patches = threads.install(|| some.par_iter().map(patch).collect::<anyhow::Result<Vec<BakedPatch>>>())?;
+        file.put(&patches)?;
+        report.step(index.len() - missing.len() + k * DOWNLOADED_AT_ONCE + some.len(), index.len(), begun.elapsed());
+    }
+    report.finish();
+    Ok(())
+}
+
 /// The planet's file in the user's cache; where that cannot be written, in a folder that goes with the command.
 fn cached(planet: &Planet) -> anyhow::Result<PlanetPlace> {
     let header = planet.header();
     let refused = match directories::ProjectDirs::from("", "", "terrane") {
         Some(folders) => match made(folders.cache_dir(), &header) {
-            Ok(path) => return Ok(PlanetPlace { path, _folder: None }),
+            Ok(path) => return Ok(PlanetPlace::of_file(&path)),
             Err(error) => format!("{error:#}"),
         },
         None => "there is no home folder".to_owned(),
     };
     eprintln!("terrane: what is built is not kept: {refused}");
     let folder = tempfile::Builder::new().prefix("terrane-").tempdir().context("cannot make a temporary folder")?;
-    Ok(PlanetPlace { path: made(folder.path(), &header)?, _folder: Some(folder) })
+    Ok(PlanetPlace { path: made(folder.path(), &header)?, published: None, _folder: Some(folder) })
 }
 
 /// The planet's file in a folder, sound. One that is damaged or old is replaced, which is said on stderr; so are edits of its ground.

@@ -95,7 +95,7 @@ impl Run for Record {
         let stop = stop_on_signals()?;
         let mut film = self.film()?;
         let place = planet_file(self.file.as_deref(), self.view.as_ref())?;
-        let (context, mut scene) = self.draw.open(place.path())?;
+        let (context, mut scene) = self.draw.open(&place)?;
         self.view.iter().for_each(|line| check_planet(line, scene.planet()));
         let (route, path) = (path.route(scene.planet()), path.over(scene.planet())?);
         let (first, last) = path.span();

@@ -61,7 +61,7 @@ impl Run for Shot {
         let format = format_of(&self.out, self.depth)?;
         check_output("--out", &self.out, Output::File(&["png", "exr"]))?;
         let place = planet_file(self.file.as_deref(), self.view.as_ref())?;
-        let (context, mut scene) = self.draw.open(place.path())?;
+        let (context, mut scene) = self.draw.open(&place)?;
         self.view.iter().for_each(|line| check_planet(line, scene.planet()));
         let camera = self.camera.camera(scene.planet())?;
         let view = self.draw.view(camera, scene.planet(), self.camera.error());

@@ -1,6 +1,6 @@
 //! `terrane verify`: random views of a planet on the GPU, against the CPU and the invariants; and their screen error, with rays.
 
-use super::planets::{built_planet_file, planet_file, FILE, HELP};
+use super::planets::{built_planet_file, planet_file, PlanetPlace, FILE, HELP};
 use super::viewing::{check_tolerance, GpuOptions, MeshOptions, PatchOptions};
 use super::Run;
 use crate::Outcome;
@@ -71,7 +71,7 @@ impl Run for Verify {
             Some(_) => planet_file(Some(&self.file), None)?,
             None => built_planet_file(Some(&self.file), None)?,
         };
-        let mut scene = Scene::open(&context, place.path(), self.scene_options()?)?;
+        let mut scene = Scene::open(&context, place.path(), self.scene_options(&place)?)?;
         let mut headless = Headless::new(&context, SIZE)?;
         let mut verifier = Verifier::new(place.path(), &scene)?;
         let count = self.views as usize;
@@ -116,13 +116,14 @@ impl Run for Verify {
 
 impl Verify {
     /// Everything in the file; near the ground also what is not, with room for the patches of a site.
-    fn scene_options(&self) -> anyhow::Result<SceneOptions> {
+    fn scene_options(&self, place: &PlanetPlace) -> anyhow::Result<SceneOptions> {
         if self.ground.is_none() {
             return Ok(SceneOptions::whole_mesh());
         }
         let options = PatchOptions::to_spacing(self.spacing).options()?;
         let scope = Scope::Whole;
-        Ok(SceneOptions { textures: false, gpu_bytes: NEAR_GROUND_BYTES, host_bytes: u64::MAX, scope, ..options })
+        let published = place.published().cloned();
+        Ok(SceneOptions { textures: false, gpu_bytes: NEAR_GROUND_BYTES, host_bytes: u64::MAX, scope, published, ..options })
     }
 }
 

@@ -1,6 +1,7 @@
 //! Options that the rendering commands share: which GPU, where the camera is, which patches there are.
 
 use super::at::{at, At, Stance};
+use super::planets::PlanetPlace;
 use anyhow::{bail, ensure};
 use glam::DVec3;
 use std::sync::Arc;
@@ -12,6 +13,7 @@ pub(crate) use terrane_planet::draw::view_line::Exposure;
 use terrane_planet::draw::view_line::{Stand, ViewLine};
 use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::planet::Planet;
+use terrane_planet::published::PublishedPlanet;
 use terrane_planet::recipe::Recipe;
 
 /// Largest side of a picture in pixels (the smallest limit that Vulkan guarantees is 4,096; most devices allow this).
@@ -324,9 +326,12 @@ impl MeshOptions {
 /// Which patches there are to draw, and how much room they may take.
 #[derive(clap::Args, Clone)]
 pub(crate) struct PatchOptions {
-    /// Draw only patches that the planet file holds; others are built when they are wanted.
-    #[arg(long)]
+    /// Draw only patches that the planet file holds, or that are published; others are built when they are wanted.
+    #[arg(long, visible_alias = "no-build")]
     stored_only: bool,
+    /// Fetch no patches of a planet that is published: build all of them.
+    #[arg(long, conflicts_with = "stored_only")]
+    no_fetch: bool,
     /// Build patches until their samples are this far apart [default: 1].
     #[arg(long, value_name = "METRES")]
     spacing: Option<f64>,
@@ -346,7 +351,14 @@ pub(crate) struct PatchOptions {
 impl PatchOptions {
     /// Those of a command that builds patches down to a spacing in metres, and asks for nothing else.
     pub(crate) fn to_spacing(spacing: f64) -> PatchOptions {
-        PatchOptions { stored_only: false, spacing: Some(spacing), cache: CACHE_MB, gpu_memory: GPU_MB, host_memory: HOST_MB }
+        PatchOptions {
+            stored_only: false,
+            no_fetch: false,
+            spacing: Some(spacing),
+            cache: CACHE_MB,
+            gpu_memory: GPU_MB,
+            host_memory: HOST_MB,
+        }
     }
 
     /// Takes from a view what was not given.
@@ -361,7 +373,12 @@ impl PatchOptions {
         line.stored_only = self.stored_only;
     }
 
-    /// What to open a scene with.
+    /// Where to fetch what a planet's file lacks.
+    pub(crate) fn published(&self, place: &PlanetPlace) -> Option<Arc<PublishedPlanet>> {
+        place.published().filter(|_| !self.no_fetch).cloned()
+    }
+
+    /// What to open a scene with, whatever its planet.
     pub(crate) fn options(&self) -> anyhow::Result<SceneOptions> {
         let spacing_m = self.spacing.unwrap_or(DEFAULT_SPACING);
         ensure!((0.01..=1e9).contains(&spacing_m), "--spacing: {spacing_m} is not within 0.01 and 1e9 metres");

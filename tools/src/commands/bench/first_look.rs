@@ -6,6 +6,7 @@ mod sights;
 use super::{process, write_report, Bench};
 use crate::commands::building::{Report, Threads};
 use crate::commands::drawing::first_picture;
+use crate::commands::planets::PlanetPlace;
 use crate::commands::viewing::{check_tolerance, Exposure};
 use anyhow::{ensure, Context as _};
 use report::Row;
@@ -197,7 +198,7 @@ impl Bench {
     /// Waits until a view and what surrounds it are there, turns, and says what is missing then.
     fn turn(&self, keyframe: &Keyframe, file: &Path) -> anyhow::Result<Turn> {
         let started = Started::now();
-        let (context, mut scene) = self.draw.open_for(file, Scope::Flight)?;
+        let (context, mut scene) = self.draw.open_for(&PlanetPlace::of_file(file), Scope::Flight)?;
         let planet = scene.shared_planet();
         let look = self.look_at(keyframe, &planet);
         let turned = Keyframe { heading: keyframe.heading + TURN, ..*keyframe };

@@ -61,6 +61,7 @@ impl CommandHost {
         let opened = Opened {
             name: what.map_or_else(|| planet.recipe.name.to_lowercase(), lasting_name),
             file: place.path().to_owned(),
+            published: draw.patches.published(&place),
             camera: camera.camera(&planet)?,
             look: draw.look.look(&planet.recipe, camera.site(&planet.recipe)?, Exposure::Auto),
             view: line,

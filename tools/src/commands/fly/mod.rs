@@ -22,6 +22,7 @@ use std::time::Duration;
 use terrane::app::{fly, FlyFrame, FlyOptions, Keys, Scale, Settings};
 #[cfg(feature = "hot-reload")]
 use terrane::hot_reload::ShaderWatch;
+use terrane::scene::SceneOptions;
 use terrane_planet::draw::layout::Tone;
 use terrane_planet::draw::view_line::{Stand, ViewLine};
 
@@ -137,7 +138,7 @@ impl Run for Fly {
             stand: self.report.as_ref().map(|_| STANDS),
             context: self.draw.gpu.options(),
             camera: opened.camera,
-            scene: self.draw.patches.options()?,
+            scene: SceneOptions { published: opened.published, ..self.draw.patches.options()? },
             look: opened.look,
             tolerance: self.camera.error(),
             geomorphs: self.draw.mesh.geomorphs(),
