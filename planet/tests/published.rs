@@ -46,12 +46,14 @@ fn names(folder: &Path) -> BTreeSet<PathBuf> {
     entries(&folder.join("objects")).iter().flat_map(|folder| entries(folder)).collect()
 }
 
+/// What becomes of the answer to the question of a number.
+type Answer = fn(Freshness, usize, Vec<u8>) -> Result<Vec<u8>, FetchError>;
+
 /// A folder at the end of a line that does what it is told.
 struct Line {
     objects: FolderObjects,
     asked: Arc<AtomicUsize>,
-    /// From the origin and from anywhere: what becomes of an answer.
-    answer: fn(Freshness, usize, Vec<u8>) -> Result<Vec<u8>, FetchError>,
+    answer: Answer,
 }
 
 impl Objects for Line {
@@ -151,7 +153,7 @@ fn bytes_that_are_not_what_was_published_are_asked_for_again_or_refused_by_name(
     go(&path, &folder);
     let root = PatchId::roots().next().unwrap();
     let whole = PlanetFile::open(&path).unwrap().mesh(root).unwrap();
-    let line = |answer| {
+    let line = |answer: Answer| {
         let asked = Arc::new(AtomicUsize::new(0));
         (Line { objects: FolderObjects::new(&folder), asked: asked.clone(), answer }, asked)
     };

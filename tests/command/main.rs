@@ -15,6 +15,7 @@ mod gltf;
 mod gpu;
 mod look;
 mod mesh_and_bench;
+mod network;
 mod output;
 mod planets;
 mod raster;

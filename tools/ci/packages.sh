@@ -17,6 +17,7 @@ needed() {
         echo "vulkan-validationlayers validation, which every test runs under"
         echo "xvfb a display for the tests of windows"
         echo "xdotool key presses for the tests of windows"
+        echo "nginx-light a server of files, from which the tests fetch planets"
     fi
 }
 

@@ -210,7 +210,7 @@ impl Directory {
         let [face] = reader.array("face")?;
         let face = Face::new(face).ok_or(RecordError::Measure("there is no such face"))?;
         let there = id(&mut reader, face)?;
-        if there != root || root.level % LEVELS != 0 {
+        if there != root || !root.level.is_multiple_of(LEVELS) {
             return Err(RecordError::Belongs { found: there.to_string(), expected: root.to_string() });
         }
         let data_bytes = u64::from_le_bytes(reader.array("length of the data")?);

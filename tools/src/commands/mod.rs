@@ -28,6 +28,7 @@ mod radiance;
 mod raster;
 mod recipes;
 mod record;
+mod serve;
 mod shot;
 mod simplify;
 mod stage_times;
@@ -78,6 +79,7 @@ commands! {
     publish => Publish,
     raster => Raster,
     record => Record,
+    serve => Serve,
     shot => Shot,
     simplify => Simplify,
     study => Study,

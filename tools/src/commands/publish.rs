@@ -2,7 +2,7 @@
 
 use super::building::{stop_on_signals, Report};
 use super::output::{check_output, Output};
-use super::planets::{built_planet_file, FILE};
+use super::planets::built_planet_file;
 use super::Run;
 use crate::Outcome;
 use serde_json::json;
@@ -19,7 +19,7 @@ use terrane_planet::store::PlanetFile;
 #[derive(clap::Args)]
 pub(crate) struct Publish {
     /// Planet file; or a recipe or the name of one, whose coarsest two levels are built.
-    #[arg(value_name = FILE)]
+    #[arg(value_name = "FILE|RECIPE|NAME")]
     file: PathBuf,
     /// Folder to publish in; made if need be.
     #[arg(long, value_name = "DIR")]

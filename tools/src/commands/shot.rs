@@ -12,7 +12,7 @@ use super::views::{check_planet, given, note_planet, HELP, VALUE};
 use super::{pictures, Run};
 use crate::Outcome;
 use anyhow::Context as _;
-use serde_json::json;
+use serde_json::{json, Value};
 use std::path::PathBuf;
 use std::time::Instant;
 use terrane::frame::PerStage;
@@ -21,6 +21,7 @@ use terrane::stills::{PixelFormat, Still, Studio};
 use terrane::vulkan::GpuInfo;
 use terrane_planet::draw::view_line::ViewLine;
 use terrane_planet::planet::Planet;
+use terrane_planet::published::Fetched;
 
 /// Render one picture of a planet without a window.
 ///
@@ -90,7 +91,11 @@ impl Run for Shot {
             .with_context(|| format!("cannot write the picture {}", self.out.display()))?;
         let ready_ms = settled.duration_since(begun).as_secs_f64() * 1e3;
         if self.json {
-            println!("{}", self.summary(&still, &line, context.device_info(), &Times { first_ms, ready_ms, frame_ms }, &scene));
+            let mut summary = self.summary(&still, &line, context.device_info(), &Times { first_ms, ready_ms, frame_ms }, &scene);
+            if let Some(published) = place.published() {
+                summary["fetched"] = fetched_json(&published.fetched());
+            }
+            println!("{summary}");
         } else {
             println!(
                 "{}: {} patches ({} of {} on the GPU built), {} awake vertices, {} triangles, {frame_ms:.0} ms; \
@@ -106,6 +111,14 @@ impl Run for Shot {
         self.draw.gpu.report_messages(&context)?;
         Ok(Outcome::Done)
     }
+}
+
+fn fetched_json(fetched: &Fetched) -> Value {
+    let (requests, network_bytes) = fetched.traffic;
+    json!({
+        "segments": fetched.segments, "bytes": fetched.bytes, "refused": fetched.refused, "failed": fetched.failed, "requests": requests,
+        "network_bytes": network_bytes,
+    })
 }
 
 /// Milliseconds from the start of the command until a whole picture could be drawn, however coarse, and until nothing was missing; and
