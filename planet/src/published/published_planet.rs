@@ -8,7 +8,7 @@ use crate::globe::patch::PatchId;
 use crate::mesh::progressive::PatchFacts;
 use crate::recipe::Asset;
 use crate::store::{geometry, Part, PlanetHeader, Records, StoreError};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::fmt;
 use std::ops::Range;
 use std::path::Path;
@@ -42,6 +42,8 @@ pub struct Fetched {
     pub bytes: u64,
     /// Stretches of them.
     pub segments: u64,
+    /// Bytes of the whole meshes and textures of which something came.
+    pub whole_bytes: u64,
     /// Stretches that were not what was published, and were asked for again.
     pub refused: u64,
     /// Questions without an answer.
@@ -56,6 +58,8 @@ struct Tally {
     segments: AtomicU64,
     refused: AtomicU64,
     failed: AtomicU64,
+    /// What came in part, and the bytes of all of it.
+    whole: Mutex<(HashSet<(PatchId, Part)>, u64)>,
 }
 
 /// A slot for a directory: locked while it is fetched, so that it is fetched once.
@@ -126,9 +130,10 @@ impl PublishedPlanet {
 
     /// What came of it so far.
     pub fn fetched(&self) -> Fetched {
-        let Tally { bytes, segments, refused, failed } = &self.tally;
+        let Tally { bytes, segments, refused, failed, whole } = &self.tally;
+        let whole_bytes = lock(whole).1;
         let [bytes, segments, refused, failed] = [bytes, segments, refused, failed].map(|n| n.load(Ordering::Relaxed));
-        Fetched { bytes, segments, refused, failed, traffic: self.objects.traffic() }
+        Fetched { bytes, segments, whole_bytes, refused, failed, traffic: self.objects.traffic() }
     }
 
     /// What is known of all its patches: every directory is read.
@@ -197,6 +202,11 @@ impl PublishedPlanet {
         if segments.is_empty() {
             return Ok(None);
         }
+        let mut whole = lock(&self.tally.whole);
+        if whole.0.insert((id, part)) {
+            whole.1 += segments.iter().map(Segment::length).sum::<u64>();
+        }
+        drop(whole);
         let (mut bytes, mut at) = (Vec::new(), 0);
         for (number, segment) in segments.iter().enumerate() {
             let (start, end) = (at, at + segment.length() as usize);

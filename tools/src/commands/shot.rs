@@ -116,7 +116,7 @@ impl Run for Shot {
 fn fetched_json(fetched: &Fetched) -> Value {
     let (requests, network_bytes) = fetched.traffic;
     json!({
-        "segments": fetched.segments, "bytes": fetched.bytes, "refused": fetched.refused, "failed": fetched.failed, "requests": requests,
+        "segments": fetched.segments, "bytes": fetched.bytes, "whole_bytes": fetched.whole_bytes, "refused": fetched.refused, "failed": fetched.failed, "requests": requests,
         "network_bytes": network_bytes,
     })
 }
