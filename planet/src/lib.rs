@@ -2,7 +2,8 @@
 //! CPU reference of everything the GPU does. Knows no Vulkan, no window and no GPU.
 //!
 //! Rooms in the order in which they may use one another, each only those above it: [`globe`], [`recipe`], [`ground`], [`terrain`],
-//! [`mesh`], [`store`], [`published`], [`maps`], [`draw`], [`planet`], [`reference`](mod@reference), [`query`], [`verify`], [`export`].
+//! [`mesh`], [`store`], [`published`], [`maps`], [`draw`], [`planet`], [`reference`](mod@reference), [`query`], [`verify`], [`export`],
+//! [`tiles`].
 
 pub mod draw;
 pub mod export;
@@ -17,4 +18,5 @@ pub mod recipe;
 pub mod reference;
 pub mod store;
 pub mod terrain;
+pub mod tiles;
 pub mod verify;

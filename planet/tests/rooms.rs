@@ -51,6 +51,7 @@ const HOUSES: [House; 4] = [
             "query",
             "verify",
             "export",
+            "tiles",
         ],
     },
     House {

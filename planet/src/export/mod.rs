@@ -25,6 +25,8 @@ mod surface;
 pub mod three_mf;
 
 pub use format::{ExportError, Format, Up, EXTENSIONS};
+pub(crate) use maps::planet::{maps_of, PatchMaps};
+pub(crate) use maps::Bitmap;
 pub use maps::{check_map_side, MAP_SIDES};
 pub use model::{Model, Picture};
 pub use origin::{Origin, Sidecar};

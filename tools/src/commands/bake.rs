@@ -3,18 +3,17 @@
 use super::building::{stop_on_signals, Report, Threads};
 use super::output::{check_output, Output};
 use super::recipes::load_recipe;
+use super::region::RegionOptions;
 use super::Run;
 use crate::Outcome;
 use anyhow::Context;
 use serde_json::json;
 use std::path::PathBuf;
-use terrane_planet::globe::sphere::direction_at;
 use terrane_planet::maps::clouds::CLOUD_SIDE;
 use terrane_planet::mesh::builder::Faults;
 use terrane_planet::planet::bake::{bake, BakePlan, BakeSummary};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Recipe;
-use terrane_planet::store::Region;
 use terrane_planet::store::{is_planet_file, PlanetFile, Records};
 
 /// Build the patches of a recipe into a planet file; go on where an earlier bake stopped.
@@ -29,12 +28,8 @@ pub(crate) struct Bake {
     /// Finest level of the whole planet; 0 is the six cube faces.
     #[arg(long, short)]
     levels: u8,
-    /// Part to bake finer: latitude and longitude in degrees, radius in kilometres.
-    #[arg(long, value_name = "LAT,LON,RADIUS_KM", requires = "to_level", allow_hyphen_values = true, value_parser = parse_region)]
-    region: Option<RegionArgument>,
-    /// Finest level inside the region.
-    #[arg(long, value_name = "LEVEL", requires = "region")]
-    to_level: Option<u8>,
+    #[command(flatten)]
+    region: RegionOptions,
     /// Grid cells along a patch side, a power of two.
     #[arg(long, default_value_t = 64)]
     cells: u32,
@@ -45,36 +40,11 @@ pub(crate) struct Bake {
     json: bool,
 }
 
-/// What `--region` says.
-#[derive(Clone, Copy)]
-struct RegionArgument {
-    latitude: f64,
-    longitude: f64,
-    radius_km: f64,
-}
-
-fn parse_region(text: &str) -> Result<RegionArgument, String> {
-    let numbers: Vec<f64> = text.split(',').map(|part| part.trim().parse()).collect::<Result<_, _>>().unwrap_or_default();
-    let &[latitude, longitude, radius_km] = numbers.as_slice() else {
-        return Err("expected three numbers: latitude and longitude in degrees, radius in kilometres, such as 46.5,8,50".into());
-    };
-    if !(-90.0..=90.0).contains(&latitude) {
-        return Err(format!("latitude {latitude}, expected -90 to 90 degrees"));
-    }
-    if !(-360.0..=360.0).contains(&longitude) {
-        return Err(format!("longitude {longitude}, expected -180 to 180 degrees"));
-    }
-    if !(radius_km >= 0.0 && radius_km.is_finite()) {
-        return Err(format!("radius {radius_km}, expected 0 or more kilometres"));
-    }
-    Ok(RegionArgument { latitude, longitude, radius_km })
-}
-
 impl Run for Bake {
     fn run(self) -> anyhow::Result<Outcome> {
         check_output("--out", &self.out, Output::File(&[]))?;
         let planet = Planet::from_recipe(self.recipe()?, self.cells)?;
-        let plan = BakePlan::new(planet.recipe.radius, self.levels, self.region())?;
+        let plan = BakePlan::new(planet.recipe.radius, self.levels, self.region.region())?;
         let mut file = PlanetFile::create_or_resume(&self.out, &planet.header())?;
         let stop = stop_on_signals()?;
         let report = Report::new(&planet.recipe.name);
@@ -97,12 +67,6 @@ impl Bake {
         let file = PlanetFile::open(&self.recipe)?;
         let header = file.header();
         Ok(Recipe::from_parts(&header.recipe, &header.name, header.assets.clone())?)
-    }
-
-    fn region(&self) -> Option<Region> {
-        let (region, to_level) = (self.region?, self.to_level?);
-        let direction = direction_at(region.latitude, region.longitude);
-        Some(Region { direction, radius_m: region.radius_km * 1e3, to_level })
     }
 
     fn print(&self, s: &BakeSummary) {

@@ -28,6 +28,7 @@ mod radiance;
 mod raster;
 mod recipes;
 mod record;
+mod region;
 mod serve;
 mod shot;
 mod simplify;
@@ -35,6 +36,7 @@ mod stage_times;
 mod still;
 mod strip;
 mod study;
+mod tiles;
 mod verify;
 mod viewing;
 mod views;
@@ -83,5 +85,6 @@ commands! {
     shot => Shot,
     simplify => Simplify,
     study => Study,
+    tiles => Tiles,
     verify => Verify,
 }

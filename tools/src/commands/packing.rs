@@ -39,3 +39,30 @@ fn packed<const BYTES: usize>(bytes: &[u8]) -> Result<Vec<u8>, String> {
     let elements = bytes.as_chunks::<BYTES>().0;
     meshopt::encode_vertex_buffer_level(elements, LEVEL, Some(ATTRIBUTES_VERSION)).map_err(|error| error.to_string())
 }
+
+/// Unpacks elements of so many bytes, as [`MeshCodec::attributes`] packs them.
+pub(crate) fn unpacked(count: usize, stride: usize, bytes: &[u8]) -> Result<Vec<u8>, String> {
+    match stride {
+        4 => unpacked_as::<4>(count, bytes),
+        8 => unpacked_as::<8>(count, bytes),
+        12 => unpacked_as::<12>(count, bytes),
+        16 => unpacked_as::<16>(count, bytes),
+        _ => Err(format!("elements of {stride} bytes")),
+    }
+}
+
+fn unpacked_as<const BYTES: usize>(count: usize, bytes: &[u8]) -> Result<Vec<u8>, String> {
+    let elements = meshopt::decode_vertex_buffer::<Element<BYTES>>(bytes, count).map_err(|error| error.to_string())?;
+    Ok(elements.into_iter().flat_map(|element| element.0).collect())
+}
+
+/// So many bytes.
+#[derive(Clone, Copy)]
+#[repr(transparent)]
+struct Element<const BYTES: usize>([u8; BYTES]);
+
+impl<const BYTES: usize> Default for Element<BYTES> {
+    fn default() -> Self {
+        Element([0; BYTES])
+    }
+}

@@ -110,12 +110,12 @@ fn uvs(mesh: &Model, short: bool, buffers: &mut Buffers) -> Result<usize, Export
 }
 
 /// A share of one as a number of 16 bits.
-fn short(share: f64) -> i16 {
+pub(super) fn short(share: f64) -> i16 {
     (share * I16).round() as i16
 }
 
 /// The bytes of a number, and two more after the last one of an element.
-fn padded(number: i16, is_last: bool) -> impl Iterator<Item = u8> {
+pub(super) fn padded(number: i16, is_last: bool) -> impl Iterator<Item = u8> {
     number.to_le_bytes().into_iter().chain(is_last.then_some([0; 2]).into_iter().flatten())
 }
 

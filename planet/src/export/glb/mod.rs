@@ -13,12 +13,14 @@
 mod attributes;
 mod buffers;
 mod packing;
+mod tile;
 
 use super::{ExportError, Model, Origin, Picture, Up};
 use attributes::Grid;
 use buffers::Buffers;
 pub use packing::{MeshCodec, PackingOrder};
 use serde_json::{json, Value};
+pub use tile::{Tile, TileMaterial, TilePart, MOST_STEPS};
 
 const MAGIC: u32 = 0x4654_6c67;
 const VERSION: u32 = 2;

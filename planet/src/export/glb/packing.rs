@@ -34,16 +34,21 @@ pub struct PackingOrder {
     pub vertices: Vec<u32>,
 }
 
-/// A mesh in another order.
-pub(super) fn ordered(mesh: &Model, order: &PackingOrder) -> Result<Model<'static>, ExportError> {
-    let mut new = vec![u32::MAX; mesh.positions.len()];
+/// The triangles of an order by the new numbers of their corners, in a mesh of so many vertices.
+pub(super) fn renumbered(vertices: usize, order: &PackingOrder) -> Result<Vec<[u32; 3]>, ExportError> {
+    let mut new = vec![u32::MAX; vertices];
     for (number, &old) in order.vertices.iter().enumerate() {
         *new.get_mut(old as usize).ok_or_else(|| failed("a vertex that the mesh does not have"))? = number as u32;
     }
     let corner = |v: u32| new.get(v as usize).copied().filter(|&v| v != u32::MAX);
     let triangle = |t: &[u32; 3]| Some([corner(t[0])?, corner(t[1])?, corner(t[2])?]);
     let triangles: Option<Vec<[u32; 3]>> = order.triangles.iter().map(triangle).collect();
-    let triangles = triangles.ok_or_else(|| failed("a corner that is left out"))?;
+    triangles.ok_or_else(|| failed("a corner that is left out"))
+}
+
+/// A mesh in another order.
+pub(super) fn ordered(mesh: &Model, order: &PackingOrder) -> Result<Model<'static>, ExportError> {
+    let triangles = renumbered(mesh.positions.len(), order)?;
     Ok(Model {
         positions: picked(&mesh.positions, &order.vertices),
         normals: picked(&mesh.normals, &order.vertices),
@@ -63,7 +68,7 @@ pub(super) fn ordered(mesh: &Model, order: &PackingOrder) -> Result<Model<'stati
 }
 
 /// Values of vertices in another order, if there are some.
-fn picked<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
+pub(super) fn picked<T: Copy>(values: &[T], vertices: &[u32]) -> Vec<T> {
     vertices.iter().filter_map(|&v| values.get(v as usize).copied()).collect()
 }
 

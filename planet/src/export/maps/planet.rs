@@ -60,6 +60,28 @@ pub(crate) fn maps(ground: &Ground, colour: &dyn GroundColour, patches: &[PatchI
     maps
 }
 
+/// Albedo and normals of one patch alone, `side` texels a side with a gutter, and where places in the patch lie in them.
+pub(crate) fn maps_of(ground: &Ground, colour: &dyn GroundColour, id: PatchId, side: u32) -> PatchMaps {
+    let atlas = Atlas { size: [side; 2], tile: side };
+    let [albedo, normals] = tile(ground, colour, id, &atlas).map(|texels| Bitmap { size: [side; 2], texels });
+    PatchMaps { albedo, normals, projection: Projection::of(id), atlas }
+}
+
+/// The maps of one patch.
+pub(crate) struct PatchMaps {
+    pub(crate) albedo: Bitmap,
+    pub(crate) normals: Bitmap,
+    projection: Projection,
+    atlas: Atlas,
+}
+
+impl PatchMaps {
+    /// The place of a direction in the maps.
+    pub(crate) fn place(&self, direction: DVec3) -> [f32; 2] {
+        self.atlas.place(0, self.projection.place(direction))
+    }
+}
+
 /// Albedo and normals of a patch, rows from the top.
 fn tile(ground: &Ground, colour: &dyn GroundColour, id: PatchId, atlas: &Atlas) -> [Vec<[u8; 3]>; 2] {
     let (projection, side) = (Projection::of(id), atlas.tile as usize);
