@@ -33,5 +33,6 @@ mod rooms;
 mod screen_error;
 mod store;
 mod terrain;
+mod tiles;
 mod watertight;
 mod work;

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The folder of the validator, fetched if it is not there.
-fn validator() -> Option<PathBuf> {
+pub(crate) fn validator() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/gltf-validator");
     if !folder.join("node_modules/gltf-validator").is_dir() {
         std::fs::create_dir_all(&folder).ok()?;
@@ -29,7 +29,7 @@ fn validator() -> Option<PathBuf> {
 }
 
 /// The codes of what the validator finds in a file, and what it counts.
-fn validate(validator: &Path, file: &Path) -> (Vec<String>, Value) {
+pub(crate) fn validate(validator: &Path, file: &Path) -> (Vec<String>, Value) {
     let script = Path::new(env!("CARGO_MANIFEST_DIR")).join("../tests/command/validate_glb.mjs");
     let output = Command::new("node").arg(script).arg(validator).arg(file).output().unwrap();
     assert!(output.status.success(), "{}", text(&output.stderr));
@@ -40,7 +40,7 @@ fn validate(validator: &Path, file: &Path) -> (Vec<String>, Value) {
 
 /// What the validator says of a file whose numbers are packed, and nothing else: it does not know the extension, and does not see that its
 /// views use the file's buffer, unless a picture does, too.
-fn unseen(kind: &[&str]) -> Vec<String> {
+pub(crate) fn unseen(kind: &[&str]) -> Vec<String> {
     let place = kind.iter().filter(|option| **option == "--quantize").count();
     let unknown = "Cannot validate an extension as it is not supported by the validator: 'EXT_meshopt_compression'.";
     let mut said = vec![format!("\"UNSUPPORTED_EXTENSION\" \"/extensionsUsed/{place}\" \"{unknown}\"")];

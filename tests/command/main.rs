@@ -22,4 +22,5 @@ mod raster;
 mod record;
 mod simplify;
 mod study;
+mod tiles;
 mod views;

@@ -45,7 +45,7 @@ function judge(view, low, high, margin) {
     const up = cross(right, forward);
     const scale = Math.tan(view.degrees * Math.PI / 360) / (height / 2);
     const distance = Math.hypot(...view.eye);
-    const found = { width, height, inside: 0, holes: 0, outside: 0, strays: 0, drawn: 0, centre: [0, 0], colours: [0, 0, 0] };
+    const found = { width, height, inside: 0, holes: 0, outside: 0, strays: 0, drawn: 0, at: [], centre: [0, 0], colours: [0, 0, 0] };
     for (let y = 0; y < height; y += 1) {
         for (let x = 0; x < width; x += 1) {
             const k = 4 * (y * width + x);
@@ -56,7 +56,7 @@ function judge(view, low, high, margin) {
             const passes = along > 0 ? Math.sqrt(Math.max(0, distance * distance - along * along)) : Infinity;
             // A pixel at the place where the ray passes the centre.
             const slack = margin * scale * Math.max(along, 0);
-            if (passes < low - slack) { found.inside += 1; found.holes += isSky ? 1 : 0; }
+            if (passes < low - slack) { found.inside += 1; found.holes += isSky ? 1 : 0; if (isSky && found.at.length < 10) found.at.push([x, y, Math.round(passes)]); }
             if (passes > high + slack) { found.outside += 1; found.strays += isSky ? 0 : 1; }
             if (!isSky) {
                 found.drawn += 1;

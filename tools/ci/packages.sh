@@ -1,12 +1,19 @@
 #!/usr/bin/env bash
 # Installs the system packages that Terrane needs and that are missing (Debian, Ubuntu and their kin).
-# Usage: packages.sh run|test. Quick, and says nothing, when nothing is missing.
+# Usage: packages.sh run|test|browsers. Quick, and says nothing, when nothing is missing.
 set -euo pipefail
 
 purpose=${1:-run}
 
 # A package a line, and what for.
 needed() {
+    if [ "$purpose" = browsers ]; then
+        # By command: Node from elsewhere than the distribution brings an npm that its package would break.
+        command -v chromium >/dev/null || echo "chromium a browser that draws tiles in tests"
+        command -v node >/dev/null || echo "nodejs runs the browser in tests, and Khronos's validator"
+        command -v npm >/dev/null || echo "npm fetches what the browser runs"
+        return
+    fi
     echo "libvulkan1 the Vulkan loader"
     echo "mesa-vulkan-drivers Vulkan drivers, and lavapipe where there is no GPU"
     local window="windows (terrane fly)"

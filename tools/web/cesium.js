@@ -2,8 +2,7 @@
 /* global Cesium */
 const parameters = new URLSearchParams(location.search);
 const url = parameters.get('tiles') ?? 'tiles/tileset.json';
-const document_ = await (await fetch(url)).json();
-const [radius] = document_.extensions['3DTILES_ellipsoid'].radii;
+const [radius] = (await (await fetch(url)).json()).extensions['3DTILES_ellipsoid'].radii;
 
 // Before anything that asks for the Earth's.
 const ellipsoid = new Cesium.Ellipsoid(radius, radius, radius);
@@ -39,7 +38,11 @@ scene.preRender.addEventListener(() => {
 });
 
 function look({ eye, target, up, degrees }) {
-    if (degrees) camera.frustum.fov = Cesium.Math.toRadians(degrees) * Math.max(1, 1);
+    if (degrees) {
+        // Cesium's angle is that of the longer side, the one asked for that of the height.
+        const wider = Math.max(1, scene.canvas.clientWidth / scene.canvas.clientHeight);
+        camera.frustum.fov = 2 * Math.atan(Math.tan(Cesium.Math.toRadians(degrees) / 2) * wider);
+    }
     camera.frustum.near = 1;
     const direction = unit(Cesium.Cartesian3.subtract(vector(target), vector(eye), new Cesium.Cartesian3()));
     const right = unit(Cesium.Cartesian3.cross(direction, vector(up), new Cesium.Cartesian3()));
@@ -49,7 +52,6 @@ function look({ eye, target, up, degrees }) {
     });
 }
 
-// The field of view is that along the longer side here; the smaller angle of the two comes out as what was asked for above.
 function settled() {
     return new Promise((resolve) => {
         let still = 0;

@@ -46,7 +46,8 @@ function look({ eye, target, up, degrees }) {
     camera.up.copy(vector(up));
     camera.position.copy(vector(eye));
     camera.lookAt(vector(target));
-    camera.near = 1;
+    // The controls set others.
+    [camera.near, camera.far] = [1, 20 * radius];
     camera.updateProjectionMatrix();
     camera.updateMatrixWorld();
 }
@@ -65,11 +66,12 @@ renderer.setAnimationLoop(() => {
 
 async function settled() {
     let still = 0;
-    while (still < 6) {
+    while (still < 12) {
         const before = frames;
         while (frames === before) await new Promise((resolve) => setTimeout(resolve, 20));
         const { queued, downloading, parsing } = tiles.stats;
-        still = tiles.visibleTiles.size > 0 && queued + downloading + parsing === 0 ? still + 1 : 0;
+        const isBusy = tiles.isLoading || queued + downloading + parsing > 0 || tiles.visibleTiles.size === 0;
+        still = isBusy ? 0 : still + 1;
     }
 }
 

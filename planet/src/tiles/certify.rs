@@ -17,10 +17,10 @@ pub(super) struct Measured {
     pub(super) ground: f64,
     /// Radial distance in metres of the drawn sea from its sphere, rounding included; 0 without sea.
     pub(super) sea: f64,
-    /// Metres a step.
-    pub(super) step: f64,
-    /// Corners of the box of its ground and sea, in metres from the planet's centre.
-    pub(super) bounds: [DVec3; 2],
+    /// Metres a step, of ground and sea.
+    pub(super) steps: [f64; 2],
+    /// Corners of the boxes of ground and sea, in metres from the planet's centre; those of the ground again without sea.
+    pub(super) bounds: [[DVec3; 2]; 2],
     /// The largest wake that sleeps, and how far off its full grid that leaves the ground in metres, before rounding.
     pub(super) asleep: Wake,
     pub(super) thinned: f64,
@@ -33,6 +33,22 @@ pub struct Promise {
     pub error: f64,
     /// Depth of the skirts in metres, in the order of [`Side::ALL`].
     pub skirts: [f64; 4],
+}
+
+/// How far outside of the tile the feet of its skirts stand, over its error: half a pixel where the error is one. Devices move corners to a
+/// grid of a sixteenth to a 256th of a pixel, and borders of different triangles would show gaps so wide.
+const FLARE_SHARE: f64 = 0.5;
+
+impl Promise {
+    /// How far outside of the tile the feet of its skirts stand, in metres.
+    pub fn flare(&self) -> f64 {
+        FLARE_SHARE * self.error
+    }
+
+    /// How far from the tile skirts reach in any direction, in metres.
+    pub(super) fn reach(&self) -> f64 {
+        self.skirts.into_iter().fold(0.0, f64::max) + 2.0 * self.flare()
+    }
 }
 
 /// Promises of all patches.
@@ -85,7 +101,8 @@ impl Surfaces<'_> {
             level = parent;
         }
         // Rounding moves each end of a wall by up to two steps.
-        self.errors[&id] + across + self.mismatch(level, side) + 4.0 * self.measured[&id].step
+        let steps = self.measured[&id].steps.into_iter().fold(0.0, f64::max);
+        rounded_up(self.errors[&id] + across + self.mismatch(level, side) + 4.0 * steps)
     }
 
     /// How far the finest surfaces on both sides of a border lie apart: one may have levels there that the other has not.
@@ -103,6 +120,12 @@ impl Surfaces<'_> {
     }
 }
 
+/// A depth with three bits after its first, rounded up: a small change of one tile then changes few of its neighbours.
+fn rounded_up(depth: f64) -> f64 {
+    const DROPPED: u32 = f64::MANTISSA_DIGITS - 1 - 3;
+    f64::from_bits((depth.to_bits() + (1 << DROPPED) - 1) >> DROPPED << DROPPED)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,11 +138,19 @@ mod tests {
             quarters: [deviation; 4],
             ground: deviation / 4.0,
             sea: 0.0,
-            step: 0.0,
-            bounds: [DVec3::ZERO; 2],
+            steps: [0.0; 2],
+            bounds: [[DVec3::ZERO; 2]; 2],
             asleep: Wake::ASLEEP,
             thinned: 0.0,
         }
+    }
+
+    #[test]
+    fn depths_are_rounded_up_by_at_most_an_eighth() {
+        for depth in [1e-9, 0.3, 1.0, 8.01, 1023.0, 12_345.678] {
+            assert!((depth..depth * 1.125).contains(&rounded_up(depth)), "{depth}: {}", rounded_up(depth));
+        }
+        assert_eq!([rounded_up(0.0), rounded_up(9.0), rounded_up(9.01)], [0.0, 9.0, 10.0]);
     }
 
     #[test]
@@ -145,7 +176,7 @@ mod tests {
         let id = PatchId::new(Face::ALL[0], 2, 1, 0).unwrap();
         // Left a sibling, right a tile of another parent, below another face.
         let [left, right, bottom, top] = promises[&id].skirts;
-        assert_eq!([left, right, bottom, top], [4.0 + 4.0, 4.0 + 40.0, 4.0 + 112.0, 4.0 + 4.0]);
+        assert_eq!([left, right, bottom, top], [4.0 + 4.0, 4.0 + 40.0, 4.0 + 112.0, 4.0 + 4.0].map(rounded_up));
     }
 
     #[test]
@@ -156,6 +187,6 @@ mod tests {
         let promises = promises(&measured);
         let coarse = roots[0].neighbour(Side::Left);
         let side = Side::ALL.into_iter().find(|&side| coarse.neighbour(side) == roots[0]).unwrap();
-        assert_eq!(promises[&coarse].skirts[side as usize], 16.0 + (64.0 + 16.0) + 64.0);
+        assert_eq!(promises[&coarse].skirts[side as usize], rounded_up(16.0 + (64.0 + 16.0) + 64.0));
     }
 }

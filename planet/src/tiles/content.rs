@@ -5,7 +5,7 @@ use super::certify::{promises, Measured, Promise};
 use super::frame::Frame;
 use super::grid::Grid;
 use super::sea::Sea;
-use super::sheet::Sheet;
+use super::sheet::{Sheet, Skirts};
 use super::{TilesError, Watch};
 use crate::export::glb::{MeshCodec, Tile, TileMaterial, TilePart};
 use crate::export::{check_map_side, maps_of, PatchMaps, Picture};
@@ -88,14 +88,17 @@ impl TileMaker<'_> {
             // Deep skirts may need longer steps, which round more, which needs deeper skirts. Steps double, so that this ends.
             let longer: Vec<(PatchId, f64)> = patches
                 .iter()
-                .map(|&id| (id, promises[&id].skirts.into_iter().fold(0.0, f64::max)))
-                .filter(|(id, depth)| Frame::new(*id, measured[id].bounds, *depth).step > measured[id].step)
+                .map(|&id| (id, promises[&id].reach()))
+                .filter(|(id, reach)| {
+                    let needed = measured[id].bounds.map(|bounds| frame(*id, bounds, *reach).step);
+                    needed.iter().zip(measured[id].steps).any(|(needed, step)| *needed > step)
+                })
                 .collect();
             if longer.is_empty() {
                 let of = |(id, measured)| (id, (measured, promises[&id]));
                 return Ok(Some(Certified { tiles: measured.into_iter().map(of).collect() }));
             }
-            let Some(found) = watch.all(&longer, |&(id, depth)| self.measure(id, depth))? else { return Ok(None) };
+            let Some(found) = watch.all(&longer, |&(id, reach)| self.measure(id, reach))? else { return Ok(None) };
             measured.extend(longer.iter().map(|(id, _)| *id).zip(found));
         }
     }
@@ -108,22 +111,21 @@ impl TileMaker<'_> {
         }))
     }
 
-    /// What is to be known of a patch whose skirts are so deep.
-    fn measure(&self, id: PatchId, depth: f64) -> Result<Measured, TilesError> {
+    /// What is to be known of a patch whose skirts reach so far.
+    fn measure(&self, id: PatchId, reach: f64) -> Result<Measured, TilesError> {
         let _span = tracing::debug_span!("measure tile", patch = %id).entered();
         let (mesh, lattice) = (self.mesh(id)?, &self.planet.lattice);
-        let bounds = [mesh.facts.bounds.low, mesh.facts.bounds.high].map(|corner| corner.as_dvec3() * lattice.unit);
         let grid = Grid::of(&mesh, lattice);
         let (asleep, thinned) = Sheet::asleep_within(&mesh, lattice, &grid, self.tolerance(&mesh));
         let shape = self.shape(&mesh, grid, asleep, thinned);
-        let sea = shape.sea.iter().flat_map(|sea| &sea.sheet.positions);
-        let bounds = sea.fold(bounds, |[low, high], &p| [low.min(p), high.max(p)]);
-        let frame = Frame::new(id, bounds, depth);
+        let ground = shape.ground.bounds();
+        let bounds = [ground, shape.sea.as_ref().map_or(ground, |sea| sea.sheet.bounds())];
+        let frames = bounds.map(|bounds| frame(id, bounds, reach));
         Ok(Measured {
             quarters: mesh.facts.quarters.map(|quarter| quarter.deviation * lattice.unit),
-            ground: shape.ground.rounded_deviation(id, &shape.grid, &frame),
-            sea: shape.sea.as_ref().map_or(0.0, |sea| sea.error(&frame)),
-            step: frame.step,
+            ground: shape.ground.rounded_deviation(id, &shape.grid, &frames[0]),
+            sea: shape.sea.as_ref().map_or(0.0, |sea| sea.error(&frames[1])),
+            steps: frames.map(|frame| frame.step),
             bounds,
             asleep,
             thinned,
@@ -152,56 +154,83 @@ impl TileMaker<'_> {
         let mesh = self.mesh(id)?;
         let grid = Grid::of(&mesh, &self.planet.lattice);
         let Shape { ground, sea, .. } = self.shape(&mesh, grid, measured.asleep, measured.thinned);
-        let depth = promise.skirts.into_iter().fold(0.0, f64::max);
-        let frame = Frame::new(id, measured.bounds, depth);
         let maps = maps_of(&self.planet.ground(), &self.planet.terrain, id, self.map_side);
+        let parts = self.parts(id, [Some(ground), sea.map(|sea| sea.sheet)], measured, promise, &maps);
         let mut bounds = TileBox::empty(id);
-        let mut part = |sheet, maps: Option<&PatchMaps>| {
-            let part = self.part(id, sheet, &frame, promise, maps)?;
-            part.positions.iter().for_each(|&steps| bounds.include(frame.metres(steps)));
-            Ok::<TilePart, TilesError>(part)
-        };
-        let mut parts = vec![part(ground, Some(&maps))?];
-        if let Some(sea) = sea {
-            parts.push(part(sea.sheet, None)?);
-        }
+        parts.iter().for_each(|part| part.positions.iter().for_each(|p| bounds.include(part.anchor + p.as_dvec3() * part.step)));
         let triangles = parts.iter().map(|part| part.triangles.len()).sum();
-        let tile = Tile { anchor: frame.anchor, step: frame.step, parts };
+        let jpeg = |map: &crate::export::Bitmap| {
+            let bytes = self.pictures.jpeg(map.size, &map.texels).map_err(|problem| TilesError::Picture { id, problem })?;
+            Ok::<Picture, TilesError>(Picture { mime: "image/jpeg", bytes })
+        };
+        let tile = Tile { parts, maps: [jpeg(&maps.albedo)?, jpeg(&maps.normals)?] };
         let codec = self.codec.map(|codec| codec as &dyn MeshCodec);
         let bytes = tile.encode(codec).map_err(|source| TilesError::Export { id, source })?;
         Ok(Content { bytes, bounds, triangles })
     }
 
-    /// Triangles with skirts and all that a file says of their vertices.
-    fn part(
+    /// Ground and sea with their skirts, and the walls of the ground that go deeper than their numbers reach.
+    fn parts(
         &self,
         id: PatchId,
-        mut sheet: Sheet,
-        frame: &Frame,
+        sheets: [Option<Sheet>; 2],
+        measured: &Measured,
         promise: &Promise,
-        maps: Option<&PatchMaps>,
-    ) -> Result<TilePart, TilesError> {
-        let above = match self.skirts {
-            true => sheet.add_skirts(promise.skirts),
-            false => (0..sheet.positions.len() as u32).collect(),
+        maps: &PatchMaps,
+    ) -> Vec<TilePart> {
+        let skirts = Skirts { depths: promise.skirts, flare: promise.flare() };
+        let part = |sheet: Sheet, above: &[u32], tops: &[DVec3], frame: &Frame, maps: Option<&PatchMaps>| {
+            // A wall is lit and coloured as the ground at its top.
+            let ups: Vec<DVec3> = above.iter().map(|&v| tops[v as usize].normalize_or(DVec3::Z)).collect();
+            TilePart {
+                anchor: frame.anchor,
+                step: frame.step,
+                positions: sheet.steps(frame),
+                tangents: maps.map_or_else(Vec::new, |_| ups.iter().map(|&up| tangents(id, up).0).collect()),
+                uvs: maps.map_or_else(Vec::new, |maps| ups.iter().map(|&up| maps.place(up)).collect()),
+                normals: ups,
+                triangles: sheet.triangles,
+                material: if maps.is_some() { TileMaterial::Ground } else { TileMaterial::Water },
+            }
         };
-        // A wall is lit and coloured as the ground at its top.
-        let ups: Vec<DVec3> = above.iter().map(|&v| sheet.positions[v as usize].normalize_or(DVec3::Z)).collect();
-        let jpeg = |map: &crate::export::Bitmap| {
-            let bytes = self.pictures.jpeg(map.size, &map.texels).map_err(|problem| TilesError::Picture { id, problem })?;
-            Ok::<Picture, TilesError>(Picture { mime: "image/jpeg", bytes })
-        };
-        let material = match maps {
-            Some(maps) => TileMaterial::Ground { albedo: jpeg(&maps.albedo)?, normals: jpeg(&maps.normals)? },
-            None => TileMaterial::Water,
-        };
-        Ok(TilePart {
-            positions: sheet.steps(frame),
-            tangents: maps.map_or_else(Vec::new, |_| ups.iter().map(|&up| tangents(id, up).0).collect()),
-            uvs: maps.map_or_else(Vec::new, |maps| ups.iter().map(|&up| maps.place(up)).collect()),
-            normals: ups,
-            triangles: sheet.triangles,
-            material,
-        })
+        let mut parts = Vec::new();
+        for (sheet, (bounds, maps)) in sheets.into_iter().zip(measured.bounds.into_iter().zip([Some(maps), None])) {
+            let Some(mut sheet) = sheet else { continue };
+            let near = frame(id, bounds, promise.reach());
+            let shallow = skirts.within(shallow(bounds, promise.reach()));
+            let far = Frame::new(id, bounds, 1.01 * promise.reach());
+            let deeper = Skirts { depths: skirts.depths.map(|depth| depth + 4.0 * far.step), ..skirts };
+            let is_deep = self.skirts && maps.is_some() && shallow != skirts;
+            let walls = is_deep.then(|| sheet.deep_skirts(&shallow, &deeper, &far));
+            let above = match self.skirts {
+                true => sheet.add_skirts(&shallow, &near),
+                false => (0..sheet.positions.len() as u32).collect(),
+            };
+            let tops = sheet.positions.clone();
+            parts.push(part(sheet, &above, &tops, &near, maps));
+            if let Some((walls, above)) = walls.filter(|(walls, _)| !walls.triangles.is_empty()) {
+                parts.push(part(walls, &above, &tops, &far, maps));
+            }
+        }
+        parts
+    }
+}
+
+/// Half of the longest side of a box.
+fn half(bounds: [DVec3; 2]) -> f64 {
+    (bounds[1] - bounds[0]).max_element() / 2.0
+}
+
+/// The frame of a tile's ground and sea whose skirts reach so far. Deep skirts have numbers of their own: theirs would be too coarse for the ground.
+fn frame(id: PatchId, bounds: [DVec3; 2], reach: f64) -> Frame {
+    Frame::new(id, bounds, reach.min(half(bounds)))
+}
+
+/// How deep skirts in that frame may be.
+fn shallow(bounds: [DVec3; 2], reach: f64) -> f64 {
+    if reach <= half(bounds) {
+        f64::INFINITY
+    } else {
+        half(bounds) / 2.0
     }
 }

@@ -5,7 +5,7 @@
 
 use crate::export::glb::MOST_STEPS;
 use crate::globe::patch::{PatchId, Side};
-use crate::globe::sphere::direction;
+use crate::globe::sphere::warp_component;
 use glam::{DVec3, IVec3};
 
 /// Bits of an origin's largest coordinate. Single precision has 24; four are left for what clients do with it.
@@ -56,6 +56,11 @@ impl Frame {
         nearest.unwrap_or(exact.round().as_ivec3())
     }
 
+    /// The way out of the patch across some sides, a bit each: a unit vector a side.
+    pub(super) fn outward(&self, sides: u8) -> DVec3 {
+        Side::ALL.into_iter().filter(|side| sides & side.bit() != 0).map(|side| self.outward[side as usize]).sum()
+    }
+
     /// Metres from the planet's centre. Exact in double precision.
     pub(super) fn metres(&self, steps: IVec3) -> DVec3 {
         self.anchor + steps.as_dvec3() * self.step
@@ -72,31 +77,32 @@ fn power_above(least: f64) -> f64 {
     }
 }
 
-/// Unit vectors out of a patch across its sides, perpendicular to the planes through them and the planet's centre.
+/// Unit vectors out of a patch across its sides, perpendicular to the planes through them and the planet's centre. From the warped
+/// coordinates of the sides, which holds where corners lie too close together for a cross product.
 fn outward(id: PatchId) -> [DVec3; 4] {
-    let corner = |a: i32, b: i32| direction(id.point(a, b, 1));
-    let ends = [[(0, 0), (0, 1)], [(1, 0), (1, 1)], [(0, 0), (1, 0)], [(0, 1), (1, 1)]];
-    ends.map(|[a, b]| {
-        let across = corner(a.0, a.1).cross(corner(b.0, b.1)).normalize_or_zero();
-        across * -across.dot(id.centre()).signum()
+    let (face, (u, v)) = (id.face, id.face.grid_axes());
+    Side::ALL.map(|side| {
+        let (axis, end) = (if side.is_horizontal() { v } else { u }, i32::from(side.is_high()));
+        let mut normal = DVec3::ZERO;
+        normal[axis] = 1.0;
+        normal[face.normal_axis()] = -warp_component(id.point(end, end, 1)[axis]) * f64::from(face.sign());
+        normal.normalize() * if side.is_high() { 1.0 } else { -1.0 }
     })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::globe::lattice::Lattice;
-    use crate::globe::sphere::Face;
+    use crate::globe::sphere::{direction, Face};
 
     #[test]
     fn origins_are_exact_in_single_precision_and_vertices_on_sides_lie_outside() {
-        let lattice = Lattice::new(6_371_000.0, 9_000.0);
         for (face, level, x, y) in [(0, 0, 0, 0), (3, 5, 7, 30), (5, 12, 100, 4095), (2, 21, 77, 1)] {
             let id = PatchId::new(Face::ALL[face], level, x, y).unwrap();
             let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
             let points: Vec<(DVec3, u8)> = [(0, 0, 5), (4, 0, 6), (0, 4, 9), (4, 4, 10), (1, 0, 4), (4, 3, 2), (2, 2, 0)]
                 .map(|(a, b, sides)| {
-                    let position = lattice.position(direction(id.point(a, b, 4)), 1000 * a).as_dvec3() * lattice.unit;
+                    let position = direction(id.point(a, b, 4)) * (6_371_000.0 + 8.0 * f64::from(a));
                     bounds = [bounds[0].min(position), bounds[1].max(position)];
                     (position, sides)
                 })

@@ -8,7 +8,7 @@ use crate::ground::WarpedGrid;
 use crate::mesh::progressive::{PatchMesh, Vertex};
 use crate::mesh::wake::Wake;
 use glam::{DVec3, IVec3};
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 use terrane_heightfield::decimate::mesh::grid_triangles;
 
 /// Times that the search for the fewest vertices halves what is left.
@@ -45,7 +45,8 @@ impl Sheet {
             drawn_as[k] = if is_awake(k, vertex) {
                 let grid = usize::from(vertex.grid);
                 let direction = warped.direction(grid % (cells + 1), grid / (cells + 1));
-                sheet.positions.push(lattice.position(direction, vertex.height).as_dvec3() * lattice.unit);
+                // Not on the lattice: deep down its rounding would move vertices off the sides.
+                sheet.positions.push(direction * ((lattice.radius + f64::from(vertex.height)) * lattice.unit));
                 sheet.sides.push(sides_of(grid, cells));
                 sheet.positions.len() as u32 - 1
             } else {
@@ -82,6 +83,12 @@ impl Sheet {
         (wakes[good], found)
     }
 
+    /// Corners of the box around it.
+    pub(super) fn bounds(&self) -> [DVec3; 2] {
+        let nothing = [DVec3::INFINITY, DVec3::NEG_INFINITY];
+        self.positions.iter().fold(nothing, |[low, high], &p| [low.min(p), high.max(p)])
+    }
+
     /// Radial distance in metres from the full grid.
     pub(super) fn deviation(&self, id: PatchId, grid: &Grid) -> f64 {
         let corners: Vec<_> = self.positions.iter().map(|&p| projected(id.face, p)).collect();
@@ -99,31 +106,80 @@ impl Sheet {
         self.positions.iter().zip(&self.sides).map(|(&p, &sides)| frame.steps(p, sides)).collect()
     }
 
-    /// Adds walls towards the planet's centre along the sides, each so many metres deep. Out: for each vertex the one above it, which
-    /// may be itself.
-    pub(super) fn add_skirts(&mut self, depths: [f64; 4]) -> Vec<u32> {
-        let edges: HashSet<[u32; 2]> = self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).collect();
-        let mut rim: Vec<[u32; 2]> = edges.iter().copied().filter(|&[a, b]| !edges.contains(&[b, a])).collect();
-        rim.sort_unstable();
+    /// Adds walls towards the planet's centre along the sides. Out: for each vertex the one above it, which may be itself.
+    pub(super) fn add_skirts(&mut self, skirts: &Skirts, frame: &Frame) -> Vec<u32> {
         let mut above: Vec<u32> = (0..self.positions.len() as u32).collect();
         for side in Side::ALL {
-            let depth = depths[side as usize];
-            let mut bottoms = std::collections::HashMap::new();
-            let on_side = |v: u32| self.sides[v as usize] & side.bit() != 0;
-            let edges: Vec<[u32; 2]> = rim.iter().copied().filter(|&[a, b]| on_side(a) && on_side(b)).collect();
-            for [a, b] in edges {
+            let mut feet = HashMap::new();
+            for [a, b] in self.rim(side) {
                 let [c, d] = [a, b].map(|v| {
-                    *bottoms.entry(v).or_insert_with(|| {
-                        let top = self.positions[v as usize];
-                        self.positions.push(top * (1.0 - depth / top.length()).max(0.0));
-                        self.sides.push(self.sides[v as usize]);
+                    *feet.entry(v).or_insert_with(|| {
                         above.push(v);
-                        self.positions.len() as u32 - 1
+                        let foot = self.below(v, skirts.depths[side as usize], skirts.flare, frame);
+                        self.push(foot, self.sides[v as usize])
                     })
                 });
                 self.triangles.extend([[b, a, c], [b, c, d]]);
             }
         }
         above
+    }
+
+    /// The walls that go deeper, from somewhat above the feet of shallow ones. Out, too: for each of their vertices the one of this sheet above it.
+    pub(super) fn deep_skirts(&self, shallow: &Skirts, deep: &Skirts, frame: &Frame) -> (Sheet, Vec<u32>) {
+        let (mut walls, mut above) = (Sheet::default(), Vec::new());
+        for side in Side::ALL {
+            let [from, to] = [shallow, deep].map(|skirts| skirts.depths[side as usize]);
+            let mut posts = HashMap::new();
+            for [a, b] in self.rim(side).into_iter().filter(|_| to > from) {
+                let [[a, c], [b, d]] = [a, b].map(|v| {
+                    *posts.entry(v).or_insert_with(|| {
+                        [(from / 2.0, shallow.flare), (to, deep.flare)].map(|(depth, flare)| {
+                            above.push(v);
+                            walls.push(self.below(v, depth, flare, frame), self.sides[v as usize])
+                        })
+                    })
+                });
+                walls.triangles.extend([[b, a, c], [b, c, d]]);
+            }
+        }
+        (walls, above)
+    }
+
+    fn push(&mut self, position: DVec3, sides: u8) -> u32 {
+        self.positions.push(position);
+        self.sides.push(sides);
+        self.positions.len() as u32 - 1
+    }
+
+    /// The point so many metres below a vertex, and so many outside of its sides.
+    fn below(&self, v: u32, depth: f64, flare: f64, frame: &Frame) -> DVec3 {
+        let top = self.positions[v as usize];
+        top * (1.0 - depth / top.length()).max(0.0) + frame.outward(self.sides[v as usize]) * flare
+    }
+
+    /// Edges on a side that only one triangle has.
+    fn rim(&self, side: Side) -> Vec<[u32; 2]> {
+        let on_side = |&v: &u32| self.sides[v as usize] & side.bit() != 0;
+        let edges = self.triangles.iter().flat_map(|&[a, b, c]| [[a, b], [b, c], [c, a]]).filter(|edge| edge.iter().all(on_side));
+        let edges: HashSet<[u32; 2]> = edges.collect();
+        let mut rim: Vec<[u32; 2]> = edges.iter().copied().filter(|&[a, b]| !edges.contains(&[b, a])).collect();
+        rim.sort_unstable();
+        rim
+    }
+}
+
+/// Walls: how deep on each side, in the order of [`Side::ALL`], and how far outside their feet stand, in metres.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Skirts {
+    pub(super) depths: [f64; 4],
+    pub(super) flare: f64,
+}
+
+impl Skirts {
+    /// The same, so deep at most.
+    pub(super) fn within(&self, most: f64) -> Skirts {
+        // Feet half as far outside as the walls are deep show from few places.
+        Skirts { depths: self.depths.map(|depth| depth.min(most)), flare: self.flare.min(most / 4.0) }
     }
 }

@@ -19,22 +19,21 @@ const WATER_COLOUR: [f32; 4] = [0.004, 0.018, 0.05, 1.0];
 const WATER_ROUGHNESS: f32 = 0.25;
 
 /// What the triangles of a part are made of.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum TileMaterial {
-    /// Ground under a map of its albedo and one of its normals.
-    Ground {
-        /// Albedo, sRGB-encoded.
-        albedo: Picture,
-        /// Normals in the frame of normal and tangent.
-        normals: Picture,
-    },
+    /// Ground under the maps of the tile.
+    Ground,
     /// The surface of the sea.
     Water,
 }
 
-/// Triangles of one material.
+/// Triangles of one material, with an origin and a step of their own.
 #[derive(Clone, Debug)]
 pub struct TilePart {
+    /// The origin in metres from the planet's centre, exact in single precision.
+    pub anchor: DVec3,
+    /// Metres a step, a power of two.
+    pub step: f64,
     /// Steps from the origin in planet axes, each within [`MOST_STEPS`].
     pub positions: Vec<IVec3>,
     /// Unit vectors in planet axes.
@@ -52,12 +51,10 @@ pub struct TilePart {
 /// A tile.
 #[derive(Clone, Debug)]
 pub struct Tile {
-    /// The origin in metres from the planet's centre, exact in single precision.
-    pub anchor: DVec3,
-    /// Metres a step, a power of two.
-    pub step: f64,
-    /// Its ground, and its sea.
+    /// Its parts.
     pub parts: Vec<TilePart>,
+    /// Albedo of its ground, sRGB-encoded, and normals in the frame of normal and tangent.
+    pub maps: [Picture; 2],
 }
 
 impl Tile {
@@ -67,32 +64,21 @@ impl Tile {
     /// For a tile that is too large, and where the codec fails.
     pub fn encode(&self, codec: Option<&dyn MeshCodec>) -> Result<Vec<u8>, ExportError> {
         let mut buffers = Buffers::packed_by(codec);
-        let mut maps = Maps::default();
-        let mut primitives = Vec::new();
-        for part in &self.parts {
-            let ordered = codec.map(|codec| ordered(part, &codec.order(&part.triangles, part.positions.len()))).transpose()?;
-            let part = ordered.as_ref().unwrap_or(part);
-            let attributes = attributes(part, &mut buffers)?;
-            let count = part.positions.len();
-            let indices = buffers.triangles(&part.triangles, count, count < usize::from(u16::MAX))?;
-            let material = maps.material(&part.material, &mut buffers);
-            primitives.push(json!({ "attributes": attributes, "indices": indices, "material": material, "mode": 4 }));
+        let (mut nodes, mut meshes) = (Vec::new(), Vec::new());
+        for (number, part) in self.parts.iter().enumerate() {
+            let (place, scale) = (single(Up::Y.turn(part.anchor)), [part.step as f32; 3]);
+            nodes.push(json!({ "mesh": number, "translation": place, "scale": scale }));
+            meshes.push(json!({ "primitives": [primitive(part, codec, &mut buffers)?] }));
         }
-        let scale = [self.step as f32; 3];
+        let has_water = self.parts.iter().any(|part| part.material == TileMaterial::Water);
         let extensions: Vec<&str> = ["KHR_mesh_quantization"].into_iter().chain(codec.map(|_| packing::EXTENSION)).collect();
+        let scene: Vec<usize> = (0..nodes.len()).collect();
         let mut document = json!({
             "asset": { "version": "2.0", "generator": concat!("Terrane ", env!("CARGO_PKG_VERSION")) },
-            "scene": 0, "scenes": [{ "nodes": [0] }],
-            "nodes": [{ "mesh": 0, "translation": single(Up::Y.turn(self.anchor)), "scale": scale }],
-            "meshes": [{ "primitives": primitives }], "materials": maps.materials,
+            "scene": 0, "scenes": [{ "nodes": scene }], "nodes": nodes, "meshes": meshes,
             "extensionsUsed": extensions, "extensionsRequired": extensions,
         });
-        if !maps.images.is_empty() {
-            document["samplers"] =
-                json!([{ "magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE }]);
-            document["images"] = maps.images.into();
-            document["textures"] = maps.textures.into();
-        }
+        add_materials(&self.maps, has_water, &mut document, &mut buffers);
         document["buffers"] = buffers.described();
         let Buffers { bytes, views, accessors, .. } = buffers;
         document["accessors"] = accessors.into();
@@ -101,39 +87,34 @@ impl Tile {
     }
 }
 
-/// What the document says of materials.
-#[derive(Default)]
-struct Maps {
-    materials: Vec<Value>,
-    images: Vec<Value>,
-    textures: Vec<Value>,
+/// Adds a part. Out: its primitive.
+fn primitive(part: &TilePart, codec: Option<&dyn MeshCodec>, buffers: &mut Buffers) -> Result<Value, ExportError> {
+    let ordered = codec.map(|codec| ordered(part, &codec.order(&part.triangles, part.positions.len()))).transpose()?;
+    let part = ordered.as_ref().unwrap_or(part);
+    let (attributes, count) = (attributes(part, buffers)?, part.positions.len());
+    let indices = buffers.triangles(&part.triangles, count, count < usize::from(u16::MAX))?;
+    Ok(json!({ "attributes": attributes, "indices": indices, "material": part.material as usize, "mode": 4 }))
 }
 
-impl Maps {
-    /// Adds a material. Out: its number.
-    fn material(&mut self, material: &TileMaterial, buffers: &mut Buffers) -> usize {
-        let described = match material {
-            TileMaterial::Water => json!({
-                "name": "water",
-                "pbrMetallicRoughness":
-                    { "baseColorFactor": WATER_COLOUR, "metallicFactor": 0.0, "roughnessFactor": WATER_ROUGHNESS },
-            }),
-            TileMaterial::Ground { albedo, normals } => {
-                let [albedo, normals] = [("albedo", albedo), ("normals", normals)].map(|(name, picture)| {
-                    self.textures.push(json!({ "sampler": 0, "source": self.images.len() }));
-                    let view = buffers.picture(&picture.bytes);
-                    self.images.push(json!({ "name": name, "bufferView": view, "mimeType": picture.mime }));
-                    json!({ "index": self.textures.len() - 1 })
-                });
-                json!({
-                    "name": "ground", "normalTexture": normals,
-                    "pbrMetallicRoughness": { "baseColorTexture": albedo, "metallicFactor": 0.0, "roughnessFactor": 1.0 },
-                })
-            }
-        };
-        self.materials.push(described);
-        self.materials.len() - 1
-    }
+/// Adds the materials, each at the number of its [`TileMaterial`].
+fn add_materials(maps: &[Picture; 2], has_water: bool, document: &mut Value, buffers: &mut Buffers) {
+    let names = ["albedo", "normals"];
+    let images = names
+        .iter()
+        .zip(maps)
+        .map(|(name, map)| json!({ "name": name, "bufferView": buffers.picture(&map.bytes), "mimeType": map.mime }));
+    document["images"] = images.collect::<Vec<_>>().into();
+    document["textures"] = json!([{ "sampler": 0, "source": 0 }, { "sampler": 0, "source": 1 }]);
+    document["samplers"] = json!([{ "magFilter": LINEAR, "minFilter": MIPMAPS, "wrapS": CLAMP_TO_EDGE, "wrapT": CLAMP_TO_EDGE }]);
+    let ground = json!({
+        "name": "ground", "normalTexture": { "index": 1 },
+        "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 }, "metallicFactor": 0.0, "roughnessFactor": 1.0 },
+    });
+    let water = json!({
+        "name": "water",
+        "pbrMetallicRoughness": { "baseColorFactor": WATER_COLOUR, "metallicFactor": 0.0, "roughnessFactor": WATER_ROUGHNESS },
+    });
+    document["materials"] = if has_water { json!([ground, water]) } else { json!([ground]) };
 }
 
 /// Adds the attributes of a part's vertices. Out: their accessors, by name.
@@ -177,11 +158,13 @@ fn ordered(part: &TilePart, order: &PackingOrder) -> Result<TilePart, ExportErro
         return Err(lost());
     }
     Ok(TilePart {
+        anchor: part.anchor,
+        step: part.step,
         positions: packing::picked(&part.positions, vertices),
         normals: packing::picked(&part.normals, vertices),
         tangents: packing::picked(&part.tangents, vertices),
         uvs: packing::picked(&part.uvs, vertices),
         triangles,
-        material: part.material.clone(),
+        material: part.material,
     })
 }
