@@ -240,19 +240,19 @@ fn shift(glb: &Path, metres: f64) {
 
 /// The file of a patch's tile.
 fn file_of(folder: &Path, patch: &str) -> PathBuf {
-    fn find(folder: &Path, from: &Path, tile: &Value, patch: &str) -> Option<PathBuf> {
+    fn find(from: &Path, tile: &Value, patch: &str) -> Option<PathBuf> {
         let file = from.join(tile["content"]["uri"].as_str().unwrap_or_default());
         if tile["content"]["uri"].as_str().is_some_and(|uri| uri.ends_with(".json")) {
             let inner: Value = serde_json::from_slice(&std::fs::read(&file).unwrap()).unwrap();
-            return find(folder, file.parent().unwrap(), &inner["root"], patch);
+            return find(file.parent().unwrap(), &inner["root"], patch);
         }
         if tile["extras"]["patch"] == patch {
             return Some(file);
         }
-        tile["children"].as_array()?.iter().find_map(|child| find(folder, from, child, patch))
+        tile["children"].as_array()?.iter().find_map(|child| find(from, child, patch))
     }
     let root: Value = serde_json::from_slice(&std::fs::read(folder.join("tileset.json")).unwrap()).unwrap();
-    find(folder, folder, &root["root"], patch).unwrap()
+    find(folder, &root["root"], patch).unwrap()
 }
 
 #[test]

@@ -21,9 +21,8 @@ pub(super) struct Measured {
     pub(super) steps: [f64; 2],
     /// Corners of the boxes of ground and sea, in metres from the planet's centre; those of the ground again without sea.
     pub(super) bounds: [[DVec3; 2]; 2],
-    /// The largest wake that sleeps, and how far off its full grid that leaves the ground in metres, before rounding.
+    /// The largest wake that sleeps.
     pub(super) asleep: Wake,
-    pub(super) thinned: f64,
 }
 
 /// What is promised of a tile.
@@ -141,7 +140,6 @@ mod tests {
             steps: [0.0; 2],
             bounds: [[DVec3::ZERO; 2]; 2],
             asleep: Wake::ASLEEP,
-            thinned: 0.0,
         }
     }
 

@@ -12,6 +12,7 @@ use crate::export::{check_map_side, maps_of, PatchMaps, Picture};
 use crate::globe::patch::PatchId;
 use crate::ground::texture::tangents;
 use crate::mesh::progressive::PatchMesh;
+use crate::mesh::wake::Wake;
 use crate::planet::Planet;
 use crate::store::StoreError;
 use glam::DVec3;
@@ -116,8 +117,8 @@ impl TileMaker<'_> {
         let _span = tracing::debug_span!("measure tile", patch = %id).entered();
         let (mesh, lattice) = (self.mesh(id)?, &self.planet.lattice);
         let grid = Grid::of(&mesh, lattice);
-        let (asleep, thinned) = Sheet::asleep_within(&mesh, lattice, &grid, self.tolerance(&mesh));
-        let shape = self.shape(&mesh, grid, asleep, thinned);
+        let asleep = Sheet::asleep_within(&mesh, lattice, &grid, self.tolerance(&mesh));
+        let shape = self.shape(&mesh, grid, asleep);
         let ground = shape.ground.bounds();
         let bounds = [ground, shape.sea.as_ref().map_or(ground, |sea| sea.sheet.bounds())];
         let frames = bounds.map(|bounds| frame(id, bounds, reach));
@@ -128,7 +129,6 @@ impl TileMaker<'_> {
             steps: frames.map(|frame| frame.step),
             bounds,
             asleep,
-            thinned,
         })
     }
 
@@ -141,9 +141,9 @@ impl TileMaker<'_> {
         (THINNING_SHARE * mesh.facts.deviation() * lattice.unit).max(step)
     }
 
-    fn shape(&self, mesh: &PatchMesh, grid: Grid, asleep: crate::mesh::wake::Wake, thinned: f64) -> Shape {
+    fn shape(&self, mesh: &PatchMesh, grid: Grid, asleep: Wake) -> Shape {
         let ground = Sheet::of_ground(mesh, &self.planet.lattice, asleep);
-        let sea = Sea::over(self.planet, mesh, &grid, self.tolerance(mesh), thinned);
+        let sea = Sea::over(self.planet, mesh, &grid, self.tolerance(mesh));
         Shape { grid, ground, sea }
     }
 
@@ -153,7 +153,7 @@ impl TileMaker<'_> {
         let (measured, promise) = &certified.tiles[&id];
         let mesh = self.mesh(id)?;
         let grid = Grid::of(&mesh, &self.planet.lattice);
-        let Shape { ground, sea, .. } = self.shape(&mesh, grid, measured.asleep, measured.thinned);
+        let Shape { ground, sea, .. } = self.shape(&mesh, grid, measured.asleep);
         let maps = maps_of(&self.planet.ground(), &self.planet.terrain, id, self.map_side);
         let parts = self.parts(id, [Some(ground), sea.map(|sea| sea.sheet)], measured, promise, &maps);
         let mut bounds = TileBox::empty(id);

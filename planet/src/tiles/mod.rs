@@ -5,7 +5,7 @@
 //! neighbours with walls towards the planet's centre; how far it lies off the finest surface is measured, stated, and decides when clients
 //! replace it. docs/tiles.md is for users, docs/design.md ("3D Tiles") says why it holds.
 //!
-//! Reading order: [`certify`] (what is promised), `grid` (what errors are measured against), `sheet` and `sea` (the triangles), `frame`
+//! Reading order: `certify` (what is promised), `grid` (what errors are measured against), `sheet` and `sea` (the triangles), `frame`
 //! (their numbers), `content` (a GLB), `tileset` (the JSON), `folder` (the files), and [`check`], which reads them again.
 
 mod bounds;

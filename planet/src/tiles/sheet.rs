@@ -11,9 +11,6 @@ use glam::{DVec3, IVec3};
 use std::collections::{HashMap, HashSet};
 use terrane_heightfield::decimate::mesh::grid_triangles;
 
-/// Times that the search for the fewest vertices halves what is left.
-const HALVINGS: usize = 12;
-
 /// Triangles over a patch, or over a part of it.
 #[derive(Clone, Debug, Default)]
 pub(super) struct Sheet {
@@ -59,28 +56,19 @@ impl Sheet {
         sheet
     }
 
-    /// The largest wake that can sleep so that the mesh lies within some metres of its full grid, and how far off it lies then.
-    pub(super) fn asleep_within(mesh: &PatchMesh, lattice: &Lattice, grid: &Grid, tolerance: f64) -> (Wake, f64) {
+    /// The largest wake that can sleep so that the mesh lies within some metres of its full grid.
+    pub(super) fn asleep_within(mesh: &PatchMesh, lattice: &Lattice, grid: &Grid, tolerance: f64) -> Wake {
         let mut wakes: Vec<Wake> = mesh.vertices.iter().map(|vertex| vertex.wake).filter(|&wake| wake < Wake::ALWAYS).collect();
         wakes.push(Wake::ASLEEP);
         wakes.sort_unstable();
         wakes.dedup();
-        let error = |wake: Wake| Sheet::of_ground(mesh, lattice, wake).deviation(mesh.id, grid);
         let (mut good, mut bad) = (0, wakes.len());
-        let mut found = error(wakes[0]);
-        for _ in 0..HALVINGS {
-            if bad - good < 2 {
-                break;
-            }
+        while bad - good > 1 {
             let middle = (good + bad) / 2;
-            let error = error(wakes[middle]);
-            if error <= tolerance {
-                (good, found) = (middle, error);
-            } else {
-                bad = middle;
-            }
+            let error = Sheet::of_ground(mesh, lattice, wakes[middle]).deviation(mesh.id, grid);
+            *(if error <= tolerance { &mut good } else { &mut bad }) = middle;
         }
-        (wakes[good], found)
+        wakes[good]
     }
 
     /// Corners of the box around it.
