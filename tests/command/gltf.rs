@@ -8,9 +8,15 @@ use crate::mesh_and_bench::planet_in;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+use std::sync::OnceLock;
 
-/// The folder of the validator, fetched if it is not there.
+/// The folder of the validator, fetched once if it is not there.
 pub(crate) fn validator() -> Option<PathBuf> {
+    static FOLDER: OnceLock<Option<PathBuf>> = OnceLock::new();
+    FOLDER.get_or_init(fetched).clone()
+}
+
+fn fetched() -> Option<PathBuf> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/gltf-validator");
     if !folder.join("node_modules/gltf-validator").is_dir() {
         std::fs::create_dir_all(&folder).ok()?;
