@@ -26,6 +26,12 @@ fn every_cost_is_pictured_at_every_face_count_with_its_error() {
     assert!(png.len() < 500_000, "{} bytes", png.len());
     let svg = std::fs::read_to_string(folder.path().join("a/b/errors.svg")).unwrap();
     assert_eq!((svg.matches("<polyline").count(), svg.matches("NaN").count()), (6, 0));
+    // A patch is exact when all of it is there, and nearer the more there is.
+    let arrival = summary["arrival"].as_array().unwrap();
+    let errors: Vec<f64> = arrival.iter().map(|moment| moment["largest_error_m"].as_f64().unwrap()).collect();
+    assert!(errors.len() == 3 && errors.is_sorted_by(|a, b| a > b) && errors[2] < 0.01, "{errors:?}");
+    assert!(arrival[0]["bytes"].as_u64() < Some(arrival[2]["bytes"].as_u64().unwrap() / 4), "{arrival:?}");
+    assert!(folder.path().join("a/b/arrival.png").metadata().unwrap().len() > 10_000);
 }
 
 #[test]

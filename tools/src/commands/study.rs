@@ -2,7 +2,7 @@
 
 use super::output::{check_output, Output};
 use super::{pictures, Run};
-use crate::study::{plot, repeat, sheet, terrain::study_field, Series};
+use crate::study::{arrival, plot, repeat, sheet, terrain::study_field, Series};
 use crate::Outcome;
 use anyhow::Context as _;
 use serde_json::json;
@@ -14,7 +14,8 @@ const SIDE: usize = 40;
 /// Compare the classic costs of mesh simplification on a small heightfield. Needs no GPU.
 ///
 /// Coarsens 40 x 40 samples with every cost, measures the vertical error of each mesh at all of them, and writes a picture of the
-/// meshes (meshes.png) and a plot of their errors (errors.svg). Heights and errors are in sample spacings.
+/// meshes (meshes.png) and a plot of their errors (errors.svg). Heights and errors are in sample spacings. A third picture (arrival.png)
+/// shows a patch of a planet as it arrives over a network.
 #[derive(clap::Args)]
 pub(crate) struct Study {
     /// Folder for the pictures, made if it is not there.
@@ -36,8 +37,15 @@ impl Run for Study {
         let cannot = |path: &PathBuf| format!("cannot write {}", path.display());
         pictures::write_png(&meshes, size, &canvas.into_rgba(), None).with_context(|| cannot(&meshes))?;
         pictures::write_whole(&errors, plot::draw(&all).as_bytes()).with_context(|| cannot(&errors))?;
+        let (patch, moments) = arrival::arrive()?;
+        let (arriving, canvas) = (self.out.join("arrival.png"), arrival::draw(&patch, &moments));
+        let size = canvas.size.map(|s| s as u32);
+        pictures::write_png(&arriving, size, &canvas.into_rgba(), None).with_context(|| cannot(&arriving))?;
         if self.json {
-            println!("{}", json!({ "samples": [SIDE, SIDE], "meshes": meshes, "errors": errors, "table": table(&all) }));
+            println!(
+                "{}",
+                json!({ "samples": [SIDE, SIDE], "meshes": meshes, "errors": errors, "table": table(&all), "arrival": arrival_json(&moments) })
+            );
         } else {
             print(&all);
             println!("\nmeshes: {}\nerrors: {}", meshes.display(), errors.display());
@@ -65,4 +73,10 @@ fn print(all: &[Series]) {
             println!("{:<10} {faces:>6} {:>10.6} {:>10.6}", series.cost.name(), error.max, error.rms);
         }
     }
+}
+
+/// What there is of the patch after each chunk.
+fn arrival_json(moments: &[arrival::Moment]) -> Vec<serde_json::Value> {
+    let moment = |m: &arrival::Moment| json!({ "bytes": m.bytes, "of": m.of, "vertices": m.vertices, "triangles": m.triangles, "largest_error_m": m.error_m });
+    moments.iter().map(moment).collect()
 }

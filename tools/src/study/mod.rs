@@ -1,6 +1,7 @@
 //! The classic experiment: one small heightfield, coarsened with every cost to a row of face counts, with the error of each
 //! mesh measured at all samples. In: a heightfield. Out: a table, a contact sheet of the meshes and a plot of their errors.
 
+pub(crate) mod arrival;
 pub(crate) mod canvas;
 pub(crate) mod plot;
 pub(crate) mod relief;
