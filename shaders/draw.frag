@@ -15,6 +15,8 @@ layout(location = 1) in vec2 in_grid;
 layout(location = 2) flat in uvec4 in_slots;
 layout(location = 3) flat in vec4 in_texture;
 layout(location = 4) flat in vec4 in_axis;
+layout(location = 5) flat in vec4 in_deviations;
+layout(location = 6) in float in_asleep;
 layout(location = 0) out vec4 out_color;
 
 layout(scalar, binding = 4) uniform View { FrameView view; };
@@ -116,6 +118,13 @@ vec3 wake_color(float wake, float distance) {
     return mix(warm, vec3(0.1, 0.15, 0.6), smoothstep(1.0, 5.0, octaves));
 }
 
+// The share of the tolerance that the certified error takes: blue for none, green for half, yellow for all of it; red beyond, at twice as much.
+vec3 error_color(float share) {
+    vec3 within = mix(vec3(0.1, 0.15, 0.6), vec3(0.15, 0.65, 0.3), min(2.0 * share, 1.0));
+    within = mix(within, vec3(1.0, 0.85, 0.1), clamp(2.0 * share - 1.0, 0.0, 1.0));
+    return mix(within, vec3(0.9, 0.05, 0.1), clamp(share - 1.0, 0.0, 1.0));
+}
+
 vec3 level_color(uint level) {
     vec3 phase = vec3(0.0, 0.33, 0.67) + 0.382 * float(level);
     return 0.55 + 0.45 * cos(6.2832 * phase);
@@ -154,6 +163,12 @@ void main() {
     vec3 color = ground.albedo;
     if (mode_is(MODE_LEVELS)) color = mix(color, level_color(low16(in_slots.w)), 0.65);
     if (mode_is(MODE_WAKE)) color = mix(color, wake_color(wake_distance(high16(in_slots.w)), distance), 0.8);
+    if (mode_is(MODE_ERROR)) {
+        vec2 half_way = step(vec2(0.5 * float(view.cells)), in_grid);
+        float deviation = in_deviations[int(half_way.x + 2.0 * half_way.y)];
+        float share = (1.0 - DEVIATION_SHARE) * min(in_asleep / distance, 1.0) + DEVIATION_SHARE * deviation / distance;
+        color = mix(color, error_color(share), 0.8);
+    }
 
     float height = length(from_centre) - shading.radius;
     float elevation = dot(up, shading.sun);

@@ -47,6 +47,10 @@ void main() {
     words[at++] = bits(patchdraw.grid_axis.x);
     words[at++] = bits(patchdraw.grid_axis.y);
     words[at++] = bits(patchdraw.grid_axis.z);
+    words[at++] = bits(patchdraw.deviations.x);
+    words[at++] = bits(patchdraw.deviations.y);
+    words[at++] = bits(patchdraw.deviations.z);
+    words[at++] = bits(patchdraw.deviations.w);
     words[at++] = bits(drawnvertex.position.x);
     words[at++] = bits(drawnvertex.position.y);
     words[at++] = bits(drawnvertex.position.z);

@@ -33,14 +33,6 @@ vec3 drawn_position(Vertices vertices, uint v, float weight) {
     return position;
 }
 
-bool on_coarser_side(uint grid, uint sides) {
-    uint row = view.cells + 1u;
-    uint i = grid % row;
-    uint j = grid / row;
-    return ((sides & SIDE_LEFT) != 0u && i == 0u) || ((sides & SIDE_RIGHT) != 0u && i == view.cells)
-        || ((sides & SIDE_BOTTOM) != 0u && j == 0u) || ((sides & SIDE_TOP) != 0u && j == view.cells);
-}
-
 // The orientation term's part of the selection distance: planet/src/draw/orientation.rs.
 float oriented_distance(vec3 p) {
     vec3 up = view.up;
@@ -54,8 +46,7 @@ float oriented_distance(vec3 p) {
 // Whether a vertex is awake, and its morph weight.
 bool is_awake(PatchVertex vertex, uint sides, out float weight) {
     weight = 0.0;
-    bool coarser = sides != 0u && on_coarser_side(low16(vertex.grid_wake), sides);
-    uint code = high16(coarser ? vertex.parent_coarser_wake : vertex.grid_wake);
+    uint code = wake_code(vertex, sides, view.cells);
     if (code == WAKE_ALWAYS) return true;
     weight = 1.0;
     if (code == WAKE_ASLEEP) return false;

@@ -25,6 +25,7 @@ struct PatchDraw {
     float fade_distance;
     float texel_distance;
     vec3 grid_axis;
+    vec4 deviations;
 };
 
 struct DrawnVertex {
@@ -166,6 +167,7 @@ const uint MODE_NORMALS = 3u;
 const uint MODE_ALBEDO = 4u;
 const uint MODE_DEPTH = 5u;
 const uint MODE_WAKE = 6u;
+const uint MODE_ERROR = 7u;
 const uint TONE_NEUTRAL = 0u;
 const uint TONE_AGX = 1u;
 bool is_diagram(uint mode) { return any(bvec3(mode == MODE_NORMALS, mode == MODE_ALBEDO, mode == MODE_DEPTH)); }
@@ -173,6 +175,7 @@ bool is_plain(uint mode) { return any(bvec2(mode == MODE_NORMALS, mode == MODE_D
 const uint TEXTURE_GUTTER = 4u;
 const float SHORE_RANGE = 400.0;
 const float FADE_FROM = 0.65;
+const float DEVIATION_SHARE = 0.4;
 const uint WAKE_ASLEEP = 0u;
 const uint WAKE_ALWAYS = 65535u;
 const uint WAKE_MANTISSA_BITS = 10u;

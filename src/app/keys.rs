@@ -96,7 +96,7 @@ const fn action<T>(name: &'static str, keys: &'static [&'static str], words: &'s
     Action { name, keys, words, does }
 }
 
-const COMMANDS: [Action<Command>; 40] = [
+const COMMANDS: [Action<Command>; 41] = [
     action("help", &["F1"], "show or hide this list", Command::Help),
     action("panel", &["F2"], "show or hide the panel", Command::Panel),
     action("hide", &["F3"], "show or hide everything but the picture", Command::Hide),
@@ -119,6 +119,7 @@ const COMMANDS: [Action<Command>; 40] = [
     action("albedo", &["Digit5"], "albedo", Command::Show(Mode::Albedo)),
     action("depth", &["Digit6"], "depth", Command::Show(Mode::Depth)),
     action("wake", &["Digit7"], "how long vertices have been awake", Command::Show(Mode::Wake)),
+    action("error", &["Digit8"], "how much of the tolerance the mesh's error takes", Command::Show(Mode::Error)),
     action("next_mode", &["M"], "the next of them", Command::ShowNext),
     action("toggle_wire", &["F"], "triangles on and off", Command::Toggle(Mode::Wire)),
     action("toggle_levels", &["L"], "levels on and off", Command::Toggle(Mode::Levels)),
@@ -383,9 +384,9 @@ mod tests {
     #[test]
     fn every_mode_has_a_key_and_cycling_visits_all() {
         let keys = Keys::default();
-        assert_eq!(typed(&keys, KeyCode::Digit7, "&", NONE), Some(Command::Show(Mode::Wake)));
-        let visited: Vec<Mode> = std::iter::successors(Some(Mode::Shaded), |mode| Some(next_mode(*mode))).take(8).collect();
-        assert_eq!((&visited[..7], visited[7]), (Mode::ALL, Mode::Shaded));
+        assert_eq!(typed(&keys, KeyCode::Digit8, "&", NONE), Some(Command::Show(Mode::Error)));
+        let visited: Vec<Mode> = std::iter::successors(Some(Mode::Shaded), |mode| Some(next_mode(*mode))).take(9).collect();
+        assert_eq!((&visited[..8], visited[8]), (Mode::ALL, Mode::Shaded));
     }
 
     #[test]

@@ -56,7 +56,6 @@ impl Draw {
         )?;
         let (geometry, textures) = (geometry(shared.buffers), shared.scene.textures());
         let shading = [
-            shared.shading(),
             ("slopes", Resource::Sampled(textures.slopes.view(), &textures.sampler)),
             ("albedo", Resource::Sampled(textures.albedo.view(), &textures.sampler)),
             ("relief", Resource::Sampled(textures.relief.view(), &textures.sampler)),
@@ -89,6 +88,7 @@ impl Draw {
 /// Makes ready what the mesh stages wrote.
 fn ready_geometry(commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
     commands.ready(&[
+        buffers.resolved.to(Access::GraphicsRead),
         buffers.drawn_positions.to(Access::GraphicsRead),
         buffers.indices.to(Access::IndexRead),
         buffers.state.to(Access::IndirectRead),
@@ -101,8 +101,10 @@ fn draw_mesh(commands: &mut Commands, buffers: &FrameBuffers) -> Result<()> {
 }
 
 /// What the vertex shader reads.
-fn geometry(buffers: &FrameBuffers) -> [(&'static str, Resource<'_>); 3] {
+fn geometry(buffers: &FrameBuffers) -> [(&'static str, Resource<'_>); 5] {
     [
+        ("ShadingBlock", Resource::Uniform(buffers.shading())),
+        ("Resolved", Resource::Storage(&buffers.resolved)),
         ("View", Resource::Uniform(buffers.view())),
         ("Patches", Resource::Storage(buffers.patches())),
         ("DrawnPositions", Resource::Storage(&buffers.drawn_positions)),

@@ -8,6 +8,7 @@ use glam::DVec3;
 use std::ops::Range;
 use terrane_planet::draw::cut::{is_visible, texture_distance, Cut, Leaf, TEXEL_PIXELS};
 use terrane_planet::draw::layout::{PatchDraw, Task, EMIT_CHUNK, MAX_PATCHES, NO_SLOT, RESOLVE_CHUNK, SELECT_CHUNK};
+use terrane_planet::draw::tree::PatchNode;
 use terrane_planet::draw::view::View;
 
 /// Something for each stage that works through tasks.
@@ -47,13 +48,13 @@ impl FrameTables {
         for leaf in cut.leaves.iter().take(MAX_PATCHES as usize) {
             let (Some(node), Some(patch)) = (scene.tree().get(leaf.id), scene.mesh(leaf.id)) else { continue };
             if whole || is_visible(scene.tree(), view, &node.space) {
-                tables.add(scene, view, *leaf, patch);
+                tables.add(scene, view, *leaf, node, patch);
             }
         }
         tables
     }
 
-    fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, patch: &ResidentMesh) {
+    fn add(&mut self, scene: &Scene, view: &View, leaf: Leaf, node: &PatchNode, patch: &ResidentMesh) {
         let work = patch.work(view);
         let metres = |level: u8| texture_distance(scene.tree(), view, level) * scene.tree().lattice.unit;
         let textures = scene.textures_of(view, leaf.id);
@@ -81,6 +82,7 @@ impl FrameTables {
             fade_distance: fade as f32,
             texel_distance: (TEXEL_PIXELS * metres(textures.patch.level)) as f32,
             grid_axis,
+            deviations: node.quarters.map(|quarter| (quarter.detail_wake * scene.tree().lattice.unit) as f32),
         });
         self.leaves.push(leaf);
         let MeshTasks { select, resolve, emit } = &mut self.tasks;

@@ -153,3 +153,26 @@ fn a_view_from_below_the_level_of_a_sea_that_is_left_out_is_drawn() {
     let refused = terrane(&["shot", "p.planet", "--view", &line, "--out", "wet.png"], folder.path());
     assert!(text(&refused.stderr).contains("ground or sea there"), "{}", text(&refused.stderr));
 }
+
+/// Pixels of a picture in mode `error` that are beyond the tolerance (red), and within it (blue, green, yellow).
+fn pixels_of_error(rgb: &[u8]) -> [usize; 2] {
+    let is_red = |pixel: &&[u8]| f32::from(pixel[0]) > 1.5 * f32::from(pixel[1]);
+    let ground: Vec<&[u8]> = rgb.chunks_exact(3).filter(|pixel| pixel.iter().any(|channel| *channel > 40)).collect();
+    let red = ground.iter().filter(|pixel| is_red(pixel)).count();
+    [red, ground.len() - red]
+}
+
+#[test]
+fn the_error_of_a_whole_mesh_keeps_to_the_tolerance_and_where_patches_are_missing_it_is_said_to_be_more() {
+    if device().is_none() {
+        return;
+    }
+    let folder = tempfile::tempdir().unwrap();
+    bake(folder.path());
+    let view = "terrane:1/at=35,45/altitude=1500/look=20,-40/size=96x64/sun=20,60/exposure=1/mode=error/no-air/clear-sky/no-sea";
+    let whole = pixels_of_error(&shot(folder.path(), &["p.planet", "--view", view], "whole.png"));
+    assert!(whole[0] == 0 && whole[1] > 4000, "{whole:?}");
+    let coarse = ["p.planet", "--view", &format!("{view}/stored-only"), "--error", "0.2"];
+    let coarse = pixels_of_error(&shot(folder.path(), &coarse, "coarse.png"));
+    assert!(coarse[0] > 4000 && coarse[1] == 0, "{coarse:?}");
+}

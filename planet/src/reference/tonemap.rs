@@ -14,10 +14,8 @@ pub fn display(mode: Mode, curve: &Curve, exposure: f32, color: Vec3) -> Vec3 {
     match (mode, curve.tone) {
         (Mode::Normals | Mode::Depth, _) => color.clamp(Vec3::ZERO, Vec3::ONE),
         (Mode::Albedo, _) => encode_srgb(color.clamp(Vec3::ZERO, Vec3::ONE)),
-        (Mode::Shaded | Mode::Wire | Mode::Levels | Mode::Wake, Tone::Neutral) => {
-            encode_srgb(neutral(curve.bend, color * exposure))
-        }
-        (Mode::Shaded | Mode::Wire | Mode::Levels | Mode::Wake, Tone::Agx) => agx(color * exposure),
+        (_, Tone::Neutral) => encode_srgb(neutral(curve.bend, color * exposure)),
+        (_, Tone::Agx) => agx(color * exposure),
     }
 }
 

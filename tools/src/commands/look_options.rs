@@ -24,6 +24,7 @@ enum ModeOption {
     Albedo,
     Depth,
     Wake,
+    Error,
 }
 
 impl ModeOption {
@@ -36,6 +37,7 @@ impl ModeOption {
             ModeOption::Albedo => Mode::Albedo,
             ModeOption::Depth => Mode::Depth,
             ModeOption::Wake => Mode::Wake,
+            ModeOption::Error => Mode::Error,
         }
     }
 

@@ -8,6 +8,7 @@ use crate::ground::GUTTER;
 use crate::maps::clouds::CLOUD_EDGE;
 use crate::maps::grain::{CROWN_LAYER, GROUND_LAYER};
 use crate::maps::waves::{CASCADES, REPEAT_M};
+use crate::mesh::certificate::DEVIATION_SHARE;
 use crate::mesh::wake::{Wake, MANTISSA_BITS};
 
 macro_rules! shared_constants {
@@ -144,6 +145,8 @@ modes! {
     Depth = "depth",
     /// How long a vertex of each triangle has been awake, lit.
     Wake = "wake",
+    /// What share of the tolerance the certified error of the mesh takes, lit.
+    Error = "error",
 }
 
 impl Mode {
@@ -206,6 +209,7 @@ fn elsewhere() -> Vec<String> {
         (GUTTER as u32).declare("TEXTURE_GUTTER"),
         SHORE_RANGE.declare("SHORE_RANGE"),
         FADE_FROM.declare("FADE_FROM"),
+        (DEVIATION_SHARE as f32).declare("DEVIATION_SHARE"),
         u32::from(Wake::ASLEEP.code()).declare("WAKE_ASLEEP"),
         u32::from(Wake::ALWAYS.code()).declare("WAKE_ALWAYS"),
         MANTISSA_BITS.declare("WAKE_MANTISSA_BITS"),

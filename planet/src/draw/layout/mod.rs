@@ -80,6 +80,8 @@ gpu_structs! {
         texel_distance: f32,
         /// Cube axis that the face's first grid coordinate follows.
         grid_axis: [f32; 3],
+        /// Distance in metres, at a scale of 1, from nearer than which the grid of each quarter deviates too much from finer levels.
+        deviations: [f32; 4],
     }
 
     /// Where a vertex is drawn. One that sleeps is not, and has its own position and a weight of 1 here.
@@ -292,6 +294,11 @@ impl PatchVertex {
     /// Vertex index of the vertex it collapses into.
     pub fn parent(&self) -> u32 {
         low16(self.parent_coarser_wake)
+    }
+
+    /// Its wake beside a coarser neighbour, or beside others.
+    pub fn wake_beside(&self, coarser: bool) -> Wake {
+        Wake::from_code(high16(if coarser { self.parent_coarser_wake } else { self.grid_wake }) as u16)
     }
 
     /// The larger of its two wakes.

@@ -221,7 +221,7 @@ impl FromStr for ViewLine {
                 "auto" => Some(Exposure::Auto),
                 _ => text.parse().ok().filter(|factor| (1e-6..=1e6).contains(factor)).map(Exposure::Fixed),
             })?,
-            mode: parts.take("mode", "shaded, wire, levels, normals, albedo, depth or wake", |text| {
+            mode: parts.take("mode", "shaded, wire, levels, normals, albedo, depth, wake or error", |text| {
                 Mode::ALL.iter().copied().find(|mode| mode.name() == text)
             })?,
             tone: parts.take("tone", "neutral or agx", |text| Tone::ALL.into_iter().find(|tone| tone.name() == text))?,
@@ -343,7 +343,7 @@ mod tests {
             ("size=1280x720", "size=1280", "such as 1280x720"),
             ("date=2026-06-21T12:00:00Z", "date=yesterday", "2026-06-21T12:00:00Z"),
             ("exposure=auto", "exposure=0", "1e-6"),
-            ("mode=wire", "mode=sepia", "depth or wake"),
+            ("mode=wire", "mode=sepia", "wake or error"),
             ("recipe=00c0ffee", "recipe=coffee", "8 hexadecimal digits"),
             ("planet=Terra", "planet=T%4", "%XX"),
             ("clear-sky", "clear-sky=yes", "no value"),
