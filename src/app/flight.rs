@@ -2,6 +2,7 @@
 
 use super::choices::Choices;
 use super::host::Host;
+use super::inspection::{drawn_at, Anatomy};
 use super::interface::Interface;
 use super::ledger::Ledger;
 use super::outlines::FrozenView;
@@ -81,6 +82,8 @@ pub(super) struct Flight {
     pub(super) put_down: Option<[f64; 2]>,
     /// The direction of what was picked.
     pub(super) picked: Option<DVec3>,
+    /// The vertices of the patch that is drawn there.
+    pub(super) anatomy: Option<Anatomy>,
     /// What the selection was frozen with.
     pub(super) frozen: Option<FrozenView>,
     pub(super) context: Arc<Context>,
@@ -155,6 +158,7 @@ impl Flight {
             home: Pose::of_camera(&options.camera),
             put_down: None,
             picked: None,
+            anatomy: None,
             frozen: None,
             options: options.scene.clone(),
             renderer,
@@ -345,6 +349,7 @@ impl Flight {
 
     /// Lays out the interface, and does what it is asked for. What it changes shows in the next frame.
     fn lay_out(&mut self, now: Instant) -> GuiFrame {
+        self.dissect();
         let facts = self.facts();
         let (mut choices, mut asked) = (self.choices, std::mem::take(&mut self.asked));
         let (panel, keys) = (&mut self.panel, &self.viewer.keys);
@@ -359,6 +364,18 @@ impl Flight {
         self.answer(&mut asked);
         self.asked = asked;
         gui
+    }
+
+    /// Gets to know the vertices of the patch that was picked, if it is another than before.
+    fn dissect(&mut self) {
+        let (Some(tables), Some(site)) = (&self.tables, self.picked) else {
+            self.anatomy = None;
+            return;
+        };
+        let Some(patch) = drawn_at(tables, site).map(|at| tables.leaves[at].id) else { return };
+        if self.anatomy.as_ref().is_none_or(|anatomy| !anatomy.is_of(&self.scene, patch)) {
+            self.anatomy = Some(Anatomy::of(&self.scene, patch));
+        }
     }
 
     /// Counts a frame. Returns the seconds by which it moves the viewer on.
@@ -406,7 +423,7 @@ impl Flight {
         if freezes {
             self.selection = Selection::Frozen;
             let leaves = tables.leaves.iter().map(|leaf| leaf.id).collect();
-            self.frozen = Some(FrozenView { camera: view.camera, leaves });
+            self.frozen = Some(FrozenView { view, leaves });
         }
         self.tables = Some(tables);
         Ok(())

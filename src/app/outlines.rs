@@ -2,12 +2,13 @@
 //!
 //! In: a scene and a camera. Out: lines in pixels. They are not hidden by the ground, only by the planet's round.
 
+use super::inspection::Link;
 use super::surface::{DrawnSurface, Surface};
 use crate::scene::Scene;
 use egui::Color32;
 use glam::DVec3;
 use terrane_planet::draw::camera_path::CameraPath;
-use terrane_planet::draw::view::Camera;
+use terrane_planet::draw::view::{Camera, View};
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::globe::sphere::direction;
 
@@ -22,6 +23,9 @@ const REACH: f64 = 2.0;
 /// Metres by which lines float above the ground.
 const LIFT: f64 = 0.5;
 
+/// Colour of chains of parents.
+const CHAIN: Color32 = Color32::from_rgb(255, 110, 220);
+
 /// Points in pixels, joined in order.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Line {
@@ -32,7 +36,7 @@ pub(super) struct Line {
 
 /// What a selection was frozen with.
 pub(super) struct FrozenView {
-    pub(super) camera: Camera,
+    pub(super) view: View,
     pub(super) leaves: Vec<PatchId>,
 }
 
@@ -85,7 +89,7 @@ impl<'a> Outlines<'a> {
         for id in frozen.leaves.iter().take(MOST_PATCHES) {
             self.add_patch(*id, Color32::from_rgba_unmultiplied(255, 220, 120, 150), 1.0);
         }
-        let from = &frozen.camera;
+        let from = &frozen.view.camera;
         let (h, v) = from.half_extents();
         let ends = [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0)].map(|(x, y)| {
             let ray = (from.forward + from.right() * (h * x) + from.up * (v * y)).normalize();
@@ -97,6 +101,21 @@ impl<'a> Outlines<'a> {
             self.add_straight(from.position, end, color);
             self.add_straight(end, ends[(k + 1) % 4], color);
         }
+    }
+
+    /// A chain of parents: strong from vertices that are awake, and faint from those that sleep and are drawn as the first that is not.
+    pub(super) fn add_chain(&mut self, chain: &[Link]) {
+        for ends in chain.windows(2) {
+            let [from, to] = [0, 1].map(|k| ends[k].position + ends[k].position.normalize() * LIFT);
+            if !self.is_behind_planet(from) && !self.is_behind_planet(to) {
+                let color = if ends[0].weight.is_some() { CHAIN } else { CHAIN.gamma_multiply(0.5) };
+                self.add_straight(from, to, color);
+            }
+        }
+        // The vertex that it begins with.
+        let Some([x, y]) = chain.first().and_then(|first| project(&self.camera, first.position)) else { return };
+        let points = (0..=8).map(|k| f32::to_radians(45.0 * k as f32).sin_cos()).map(|(s, c)| [x + 4.0 * c, y + 4.0 * s]);
+        self.lines.push(Line { points: points.collect(), color: CHAIN, width: 2.0 });
     }
 
     /// A circle on the ground about a site, of a radius in metres.

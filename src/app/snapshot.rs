@@ -3,7 +3,7 @@
 use super::facts::Facts;
 use super::flight::{Flight, Selection, USUAL_TOLERANCE};
 use super::host::Settings;
-use super::inspection::{inspect, Inspected};
+use super::inspection::{drawn_at, inspect, Inspected};
 use super::outlines::{Line, Outlines};
 use super::pacing::Scale;
 use super::view_line;
@@ -72,7 +72,12 @@ impl Flight {
     }
 
     fn inspected(&self) -> Option<Inspected> {
-        inspect(&self.scene, &self.view(), self.tables.as_ref()?, self.picked?)
+        let (tables, site) = (self.tables.as_ref()?, self.picked?);
+        let at = drawn_at(tables, site)?;
+        let anatomy = self.anatomy.as_ref().filter(|anatomy| anatomy.is_of(&self.scene, tables.leaves[at].id))?;
+        let frozen = self.frozen.as_ref().filter(|_| self.selection == Selection::Frozen);
+        let view = frozen.map_or_else(|| self.view(), |frozen| frozen.view);
+        inspect(&self.scene, &view, tables, at, anatomy, site)
     }
 
     /// Lines over the picture.
@@ -85,6 +90,7 @@ impl Flight {
             let ancestors = std::iter::successors(picked.patch.parent(), |id| id.parent());
             ancestors.for_each(|id| outlines.add_patch(id, Color32::from_gray(130), 1.0));
             outlines.add_patch(picked.patch, Color32::WHITE, 2.0);
+            outlines.add_chain(&picked.chain);
         }
         let tool = &self.panel.tool;
         if tool.held {

@@ -1,9 +1,12 @@
-//! What was picked: the site, the patch that is drawn there, and its ancestors.
+//! What was picked: the site, the patch that is drawn there, its ancestors, and the parents of its nearest vertex.
 
-use super::super::inspection::Inspected;
+use super::super::inspection::{Inspected, Link};
 use super::super::outlines::Line;
 use super::numbers::{distance, site};
-use egui::{Align2, Context, Grid, Id, LayerId, Order, Shape, Window};
+use egui::{Align2, Context, Grid, Id, LayerId, Order, ScrollArea, Shape, Ui, Window};
+
+/// Most that the list of parents takes, in points.
+const CHAIN_HEIGHT: f32 = 160.0;
 
 /// Shows it at the right of the picture. False when it was closed.
 pub(super) fn show(ctx: &Context, picked: &Inspected) -> bool {
@@ -27,9 +30,28 @@ pub(super) fn show(ctx: &Context, picked: &Inspected) -> bool {
             let [sides, detail] = picked.splits_m.map(distance);
             row("splits at", format!("{sides} by its sides, {detail} by its grid"));
         });
-        ui.weak("white: the patch; grey: those that it is part of");
+        ui.separator();
+        ui.weak("the nearest vertex and its parents:");
+        ScrollArea::vertical().max_height(CHAIN_HEIGHT).show(ui, |ui| list(ui, &picked.chain));
+        ui.weak("white: the patch; grey: those that it is part of; pink: the parents");
     });
     open
+}
+
+/// The vertices of a chain: where in the patch's grid, from where they are awake, and whether they are.
+fn list(ui: &mut Ui, chain: &[Link]) {
+    Grid::new("chain").num_columns(3).spacing([10.0, 1.0]).striped(true).show(ui, |ui| {
+        for link in chain {
+            ui.label(format!("{}, {}", link.grid[0], link.grid[1]));
+            ui.label(link.awake_m.map_or("at any distance".to_owned(), |metres| format!("within {}", distance(metres))));
+            ui.label(match link.weight {
+                None => "asleep".to_owned(),
+                Some(0.0) => "awake".to_owned(),
+                Some(weight) => format!("awake, {:.0} % at its parent", 100.0 * weight),
+            });
+            ui.end_row();
+        }
+    });
 }
 
 /// Draws lines below everything else of the interface.
