@@ -7,6 +7,8 @@ use crate::frame::Look;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Choices {
     pub(super) look: Look,
+    /// Seconds since 1970 of the time that the sun was put to, if it was.
+    pub(super) date: Option<i64>,
     /// Largest error of the mesh in pixels.
     pub(super) tolerance: f64,
     /// Whether vertices slide into their positions.

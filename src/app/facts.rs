@@ -14,6 +14,8 @@ pub(super) struct Facts {
     pub(super) planet: String,
     /// Its radius in metres.
     pub(super) radius_m: f64,
+    /// Its axial tilt in degrees.
+    pub(super) tilt: f64,
     /// Degrees north and east.
     pub(super) site: [f64; 2],
     /// Metres of the eye above the datum.

@@ -143,6 +143,7 @@ impl Flight {
             interface: Interface::new(&context, &window, format)?,
             choices: Choices {
                 look: options.look,
+                date: options.view.date(),
                 tolerance: options.tolerance,
                 geomorphs: options.geomorphs,
                 orientation: options.orientation,

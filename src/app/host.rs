@@ -62,13 +62,24 @@ pub struct Settings {
     pub scale: Option<f64>,
     /// Name of the tone curve; the usual one if none.
     pub tone: Option<String>,
+    /// Seconds since 1970 of the time by which the sun stands; where it usually does if none.
+    pub date: Option<i64>,
     /// Planets opened lately, the latest first.
     pub recent: Vec<String>,
 }
 
 impl Default for Settings {
     fn default() -> Settings {
-        Settings { panel: false, speed: 1.0, tolerance: None, geomorphs: true, scale: None, tone: None, recent: Vec::new() }
+        Settings {
+            panel: false,
+            speed: 1.0,
+            tolerance: None,
+            geomorphs: true,
+            scale: None,
+            tone: None,
+            date: None,
+            recent: Vec::new(),
+        }
     }
 }
 
@@ -92,6 +103,7 @@ impl Settings {
             geomorphs: of(self.geomorphs, &from.geomorphs, &to.geomorphs),
             scale: of(self.scale, &from.scale, &to.scale),
             tone: of(self.tone, &from.tone, &to.tone),
+            date: of(self.date, &from.date, &to.date),
             recent: to.recent.clone(),
         }
     }

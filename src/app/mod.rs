@@ -4,6 +4,7 @@
 //! [`FlyReport`]. Events come in here; `flight` draws, `viewer` moves, `keys` says which key does what, `orders` does it.
 
 mod asking;
+mod calendar;
 mod choices;
 mod chord;
 mod destination;

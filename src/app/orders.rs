@@ -97,7 +97,10 @@ impl Flight {
                 self.window.set_fullscreen(full);
             }
             Command::Clouds => look.clouds = !look.clouds,
-            Command::Sun(steps) => look.sun = DQuat::from_rotation_z(-SUN_STEP * steps) * look.sun,
+            Command::Sun(steps) => {
+                look.sun = DQuat::from_rotation_z(-SUN_STEP * steps) * look.sun;
+                self.choices.date = None;
+            }
             Command::Zoom(notches) => self.viewer.wheel(notches),
         }
         self.touch();
@@ -265,6 +268,9 @@ impl Flight {
             Some(Daylight::Date(second)) => sun::direction(second as f64, tilt),
             None => look.sun,
         };
+        if view.daylight.is_some() {
+            self.choices.date = view.date();
+        }
         match view.exposure {
             Some(Exposure::Auto) => (look.exposure, look.metering) = (1.0, Some(0.0)),
             Some(Exposure::Fixed(factor)) => (look.exposure, look.metering) = (factor, None),
@@ -286,6 +292,7 @@ impl Flight {
         let look = Look { mode: self.choices.look.mode, ..Look::daylight(self.choices.look.sun) };
         self.choices = Choices {
             look: Look { metering: Some(0.0), ..look },
+            date: None,
             tolerance: USUAL_TOLERANCE,
             geomorphs,
             orientation: false,

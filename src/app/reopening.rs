@@ -35,6 +35,7 @@ impl Flight {
         self.viewer.appear(&Camera { size: self.viewer.lens.size, ..opened.camera });
         self.home = self.viewer.pose;
         self.choices.look = Look { sun: opened.look.sun, ..self.choices.look };
+        self.choices.date = opened.view.date();
         self.line = opened.view.clone();
         (self.tables, self.selection, self.playback) = (None, Selection::Follows, None);
         (self.picked, self.frozen) = (None, None);

@@ -41,6 +41,7 @@ impl Flight {
         Facts {
             planet: recipe.name.clone(),
             radius_m: recipe.radius,
+            tilt: recipe.axial_tilt,
             site: [latitude, longitude],
             height_m: pose.position.length() - recipe.radius,
             altitude_m: self.viewer.altitude(&self.surface()),
@@ -114,6 +115,7 @@ impl Flight {
             geomorphs: choices.geomorphs,
             scale: if let Scale::Fixed(density) = choices.scale { Some(density) } else { None },
             tone: Some(choices.look.tone).filter(|tone| *tone != Tone::Neutral).map(|tone| tone.name().to_owned()),
+            date: choices.date,
             recent: self.panel.recent.clone(),
         }
     }

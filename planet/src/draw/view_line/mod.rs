@@ -137,6 +137,14 @@ pub enum ViewLineError {
 }
 
 impl ViewLine {
+    /// The time by which the sun stands, in seconds since 1970, if it stands by one.
+    pub fn date(&self) -> Option<i64> {
+        match self.daylight {
+            Some(Daylight::Date(second)) => Some(second),
+            _ => None,
+        }
+    }
+
     /// The view from a site, everything else as usual.
     pub fn from_site(at: [f64; 2], stand: Stand) -> ViewLine {
         ViewLine {

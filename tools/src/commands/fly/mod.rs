@@ -24,7 +24,7 @@ use terrane::app::{fly, FlyFrame, FlyOptions, Keys, Scale, Settings};
 use terrane::hot_reload::ShaderWatch;
 use terrane::scene::SceneOptions;
 use terrane_planet::draw::layout::Tone;
-use terrane_planet::draw::view_line::{Stand, ViewLine};
+use terrane_planet::draw::view_line::{Daylight, Stand, ViewLine};
 
 /// The planet unless told otherwise.
 const USUAL: &str = "terra";
@@ -174,6 +174,7 @@ impl Fly {
         let mut usual = ViewLine::from_site([0.0; 2], Stand::Height(0.0));
         usual.no_geomorphs = !settings.geomorphs;
         usual.tone = settings.tone.as_ref().and_then(|name| Tone::ALL.into_iter().find(|tone| tone.name() == name));
+        usual.daylight = settings.date.map(Daylight::Date);
         self.draw.take(&usual);
         self.camera.choose_error(settings.tolerance);
     }
