@@ -73,6 +73,11 @@ impl GpuOptions {
         line.msaa = self.msaa;
     }
 
+    /// The GPU as it was given, for another command.
+    pub(crate) fn given(&self) -> Option<&str> {
+        self.gpu.as_deref()
+    }
+
     /// What to create a context with.
     pub(crate) fn options(&self) -> ContextOptions {
         let gpu = self.gpu.as_deref().map_or(GpuChoice::Auto, GpuChoice::parse);

@@ -123,7 +123,8 @@ impl Host for CommandHost {
             return Err("a film is being drawn already: wait for it".to_owned());
         }
         self.save_path(name, route)?;
-        let film = Filming::begin(planet, &self.path_file(name), view).map_err(|error| format!("no film: {error:#}"))?;
+        let film = Filming::begin(planet, &self.path_file(name), view, self.draw.gpu.given())
+            .map_err(|error| format!("no film: {error:#}"))?;
         let what = if film.out.is_dir() { "there is no ffmpeg: single pictures are drawn into" } else { "a film is drawn:" };
         let said = format!("{what} {}", film.out.display());
         self.filming = Some(film);
