@@ -1,17 +1,18 @@
 //! What the window asks of the command: pictures as files, the clipboard, remembered views, other planets, settings.
 
 use super::super::drawing::DrawOptions;
-use super::super::pictures::{self, write_whole};
+use super::super::pictures;
 use super::super::planets::{planet_file, PlanetPlace};
 use super::super::viewing::{CameraOptions, Exposure};
 use super::super::views::{check_planet, given, note_planet};
-use super::bookmarks::{file_name, Shelf};
+use super::bookmarks::Shelf;
 use super::filming::Filming;
+use super::saved_paths::SavedPaths;
 use super::settings;
 use anyhow::Context as _;
 use std::path::{Path, PathBuf};
 use terrane::app::{Bookmark, Host, Opened, Picture, Settings};
-use terrane_planet::draw::camera_path::{CameraPath, Route};
+use terrane_planet::draw::camera_path::Route;
 use terrane_planet::draw::view_line::{ViewLine, SCHEME};
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::shipped;
@@ -27,6 +28,8 @@ pub(super) struct CommandHost {
     /// The files of all planets that were open: a folder of their own goes with them.
     pub(super) places: Vec<PlanetPlace>,
     pub(super) shelf: Option<Shelf>,
+    /// Paths, beside the pictures.
+    pub(super) paths: SavedPaths,
     pub(super) filming: Option<Filming>,
     /// Opened when it is first wanted. It keeps what it was given until the window is closed, or a clipboard manager beyond that.
     pub(super) clipboard: Option<arboard::Clipboard>,
@@ -38,12 +41,6 @@ impl CommandHost {
             self.clipboard = arboard::Clipboard::new().inspect_err(|error| tracing::info!(%error, "no clipboard")).ok();
         }
         self.clipboard.as_mut()
-    }
-
-    /// Where a path of a name is saved: beside the pictures.
-    fn path_file(&self, name: &str) -> PathBuf {
-        let name = Some(file_name(name)).filter(|name| !name.is_empty()).unwrap_or("path".to_owned());
-        self.screenshots.join(format!("{name}.json"))
     }
 
     /// Finds a planet, and where to begin over it: as a view says, or as the command does.
@@ -105,26 +102,20 @@ impl Host for CommandHost {
     }
 
     fn save_path(&mut self, name: &str, route: &Route) -> Result<String, String> {
-        let path = self.path_file(name);
-        write_whole(&path, route.to_json().as_bytes()).map_err(|error| format!("not saved: {error:#}"))?;
-        Ok(format!("saved {}", path.display()))
+        let saved = self.paths.save(name, route).map_err(|error| format!("not saved: {error:#}"))?;
+        Ok(format!("saved {}", saved.display()))
     }
 
     fn load_path(&mut self, name: &str) -> Result<Route, String> {
-        let path = self.path_file(name);
-        let text = std::fs::read_to_string(&path).map_err(|error| format!("cannot read {}: {error}", path.display()))?;
-        let route = Route::from_json(&text).map_err(|error| format!("{}: {error}", path.display()))?;
-        CameraPath::new(&route.keyframes).map_err(|error| format!("{}: {error}", path.display()))?;
-        Ok(route)
+        self.paths.load(name).map_err(|error| format!("{error:#}"))
     }
 
     fn film(&mut self, planet: &Path, name: &str, route: &Route, view: &ViewLine) -> Result<String, String> {
         if self.filming.is_some() {
             return Err("a film is being drawn already: wait for it".to_owned());
         }
-        self.save_path(name, route)?;
-        let film = Filming::begin(planet, &self.path_file(name), view, self.draw.gpu.given())
-            .map_err(|error| format!("no film: {error:#}"))?;
+        let path = self.paths.save(name, route).map_err(|error| format!("no film: {error:#}"))?;
+        let film = Filming::begin(planet, &path, view, self.draw.gpu.given()).map_err(|error| format!("no film: {error:#}"))?;
         let what = if film.out.is_dir() { "there is no ffmpeg: single pictures are drawn into" } else { "a film is drawn:" };
         let said = format!("{what} {}", film.out.display());
         self.filming = Some(film);

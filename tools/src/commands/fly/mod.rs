@@ -3,6 +3,7 @@
 mod bookmarks;
 mod filming;
 mod host;
+mod saved_paths;
 mod settings;
 
 use super::drawing::DrawOptions;
@@ -16,6 +17,7 @@ use crate::Outcome;
 use anyhow::{bail, Context as _};
 use bookmarks::Shelf;
 use host::CommandHost;
+use saved_paths::SavedPaths;
 use serde_json::{json, Value};
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -116,6 +118,7 @@ impl Run for Fly {
             camera: self.camera.clone(),
             places: Vec::new(),
             shelf: Shelf::of_user(),
+            paths: SavedPaths::of(&self.screenshots),
             filming: None,
             clipboard: None,
         };
