@@ -289,6 +289,9 @@ pub(crate) struct MeshOptions {
     /// Let vertices jump into their positions when they wake, instead of sliding there.
     #[arg(long)]
     no_geomorphs: bool,
+    /// Let vertices slide into their positions even where a view, or what was chosen in the last window, says otherwise.
+    #[arg(long, conflicts_with = "no_geomorphs")]
+    geomorphs: bool,
     /// Count errors as they are seen: fewer triangles where the ground is seen from above.
     #[arg(long)]
     orientation: bool,
@@ -297,7 +300,7 @@ pub(crate) struct MeshOptions {
 impl MeshOptions {
     /// Takes from a view what was not given.
     pub(crate) fn take(&mut self, line: &ViewLine) {
-        self.no_geomorphs |= line.no_geomorphs;
+        self.no_geomorphs |= line.no_geomorphs && !self.geomorphs;
         self.orientation |= line.orientation;
     }
 
@@ -413,5 +416,32 @@ pub(crate) fn picture_size(text: &str) -> anyhow::Result<[u32; 2]> {
             Ok([width, height])
         }
         _ => bail!("'{text}' is not a size such as 1280x720 with sides from 16 to {LARGEST_SIDE}"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use clap::Parser;
+
+    #[derive(Parser)]
+    struct Given {
+        #[command(flatten)]
+        mesh: MeshOptions,
+    }
+
+    #[test]
+    fn geomorphs_that_are_asked_for_go_before_what_a_view_says() {
+        let mut view = ViewLine::from_site([0.0; 2], Stand::Height(0.0));
+        for no_geomorphs in [false, true] {
+            view.no_geomorphs = no_geomorphs;
+            let slides = |options: &[&str]| {
+                let mut given = Given::try_parse_from([&["terrane"], options].concat()).unwrap();
+                given.mesh.take(&view);
+                given.mesh.geomorphs()
+            };
+            assert_eq!([&[][..], &["--geomorphs"], &["--no-geomorphs"]].map(slides), [!no_geomorphs, true, false]);
+        }
+        assert!(Given::try_parse_from(["terrane", "--geomorphs", "--no-geomorphs"]).is_err());
     }
 }
