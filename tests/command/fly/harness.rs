@@ -14,6 +14,8 @@ pub(super) const PATIENCE: Duration = Duration::from_secs(60);
 pub(super) const FRAMES: Duration = Duration::from_millis(700);
 /// First size of the window.
 pub(super) const SIZE: (u32, u32) = (320, 240);
+/// Size of the screen.
+pub(super) const SCREEN: (u32, u32) = (800, 600);
 
 pub(super) fn terrane(arguments: &[&str]) -> Command {
     let mut command = command(arguments);
@@ -59,7 +61,8 @@ pub(super) fn display() -> Option<(Server, String)> {
     let turn = TURN.lock().unwrap_or_else(PoisonError::into_inner);
     let mut command = Command::new("Xvfb");
     // Without -noreset the server resets when its last client leaves, and drops a client that connects at that moment.
-    command.args(["-displayfd", "1", "-screen", "0", "800x600x24", "-nolisten", "tcp", "-noreset"]);
+    let screen = format!("{}x{}x24", SCREEN.0, SCREEN.1);
+    command.args(["-displayfd", "1", "-screen", "0", &screen, "-nolisten", "tcp", "-noreset"]);
     let mut server = Owned(command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().ok()?);
     let mut stdout = server.0.stdout.take().unwrap();
     let mut number = String::new();

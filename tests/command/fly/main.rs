@@ -7,6 +7,7 @@
 mod common;
 
 mod flights;
+mod full_screen;
 mod harness;
 mod interface;
 #[cfg(feature = "hot-reload")]
