@@ -8,9 +8,10 @@ use crate::mesh_and_bench::planet_in;
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
 use std::sync::atomic::{AtomicUsize, Ordering};
+use std::sync::OnceLock;
 use std::time::{Duration, Instant};
 use terrane_planet::globe::random::Random;
 
@@ -70,9 +71,8 @@ impl Server {
              http {{ access_log {own}/access.log; {folders} server {{ listen {host}; root {root}; {rate} }} }}\n"
         );
         std::fs::write(home.join("nginx.conf"), settings).unwrap();
-        let program = ["/usr/sbin/nginx", "nginx"].into_iter().find(|program| Command::new(program).arg("-v").output().is_ok());
-        let Some(program) = program else {
-            println!("skipped: nginx is not installed, so that nothing is fetched from it");
+        let Some(program) = nginx() else {
+            println!("skipped: nginx is neither installed nor to be had, so that nothing is fetched from it");
             return None;
         };
         let mut nginx = Command::new(program);
@@ -124,6 +124,27 @@ impl Drop for Server {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+/// The program of nginx: the system's, or Debian's, unpacked into the target folder. Installed it would begin to serve, now and after
+/// every start of the machine.
+fn nginx() -> Option<PathBuf> {
+    static FOUND: OnceLock<Option<PathBuf>> = OnceLock::new();
+    let find = || {
+        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/nginx");
+        let runs = |program: &PathBuf| Command::new(program).arg("-v").output().is_ok_and(|output| output.status.success());
+        let unpacked = folder.join("unpacked/usr/sbin/nginx");
+        let there = [PathBuf::from("nginx"), "/usr/sbin/nginx".into(), unpacked.clone()].into_iter().find(runs);
+        there.or_else(|| {
+            std::fs::create_dir_all(&folder).ok()?;
+            Command::new("apt-get").args(["download", "nginx"]).current_dir(&folder).output().ok()?;
+            let package = std::fs::read_dir(&folder).ok()?.filter_map(|entry| Some(entry.ok()?.path()));
+            let package = package.into_iter().find(|path| path.extension().is_some_and(|extension| extension == "deb"))?;
+            Command::new("dpkg").arg("-x").args([package, folder.join("unpacked")]).output().ok()?;
+            Some(unpacked).filter(runs)
+        })
+    };
+    FOUND.get_or_init(find).clone()
 }
 
 /// A planet file, and the folder that it is published in.

@@ -24,7 +24,6 @@ needed() {
         echo "vulkan-validationlayers validation, which every test runs under"
         echo "xvfb a display for the tests of windows"
         echo "xdotool key presses for the tests of windows"
-        echo "nginx-light a server of files, from which the tests fetch planets"
         echo "openbox a window manager for the test of windows that fill the screen"
     fi
 }

@@ -66,7 +66,7 @@ struct Shop {
     metrics: Metrics,
 }
 
-/// An allowance that fills with time, up to that of two seconds. It may be overdrawn once.
+/// An allowance that fills with time, up to that of two seconds. What is charged may overdraw it.
 struct Bucket {
     left: f64,
     rate: f64,
@@ -75,17 +75,17 @@ struct Bucket {
 
 impl Bucket {
     fn new(rate: f64) -> Mutex<Bucket> {
-        Mutex::new(Bucket { left: 2.0 * rate, rate, at: Instant::now() })
+        Mutex::new(Bucket { left: (2.0 * rate).max(1.0), rate, at: Instant::now() })
     }
 
-    /// Takes some, if there is any.
-    fn take(bucket: &Mutex<Bucket>, amount: f64) -> bool {
+    /// Charges an amount, if there is as much as `needed`.
+    fn take(bucket: &Mutex<Bucket>, needed: f64, amount: f64) -> bool {
         let mut bucket = bucket.lock().unwrap_or_else(PoisonError::into_inner);
         let now = Instant::now();
         let gained = bucket.rate * now.duration_since(bucket.at).as_secs_f64();
-        bucket.left = (bucket.left + gained).min(2.0 * bucket.rate);
+        bucket.left = (bucket.left + gained).min((2.0 * bucket.rate).max(1.0));
         bucket.at = now;
-        let is_there = bucket.left > 0.0;
+        let is_there = bucket.left >= needed;
         if is_there {
             bucket.left -= amount;
         }
@@ -159,7 +159,7 @@ async fn guard(State(shop): State<Arc<Shop>>, request: Request, next: Next) -> R
     if !matches!(*request.method(), Method::GET | Method::HEAD) {
         return plain(StatusCode::METHOD_NOT_ALLOWED, "this server only answers GET and HEAD");
     }
-    let is_within = Bucket::take(&shop.requests, 1.0) && Bucket::take(&shop.bytes, 0.0);
+    let is_within = Bucket::take(&shop.bytes, 0.0, 0.0) && Bucket::take(&shop.requests, 1.0, 1.0);
     let Some(_room) = shop.room.clone().try_acquire_owned().ok().filter(|_| is_within) else {
         shop.metrics.turned_away();
         let mut response = plain(StatusCode::SERVICE_UNAVAILABLE, "the server is at its limit; ask again in a second");
@@ -172,7 +172,7 @@ async fn guard(State(shop): State<Arc<Shop>>, request: Request, next: Next) -> R
     // Pages from elsewhere may show what anybody may read.
     response.headers_mut().insert(header::ACCESS_CONTROL_ALLOW_ORIGIN, HeaderValue::from_static("*"));
     let bytes = response.body().size_hint().lower();
-    Bucket::take(&shop.bytes, bytes as f64);
+    Bucket::take(&shop.bytes, f64::NEG_INFINITY, bytes as f64);
     shop.metrics.answered(response.status(), bytes, begun.elapsed());
     response
 }
@@ -314,12 +314,12 @@ mod tests {
 
     #[test]
     fn an_allowance_is_used_up_and_fills_again() {
-        let bucket = Bucket::new(10.0);
-        assert_eq!((0..40).filter(|_| Bucket::take(&bucket, 1.0)).count(), 20);
-        std::thread::sleep(Duration::from_millis(250));
-        assert!((2..=4).contains(&(0..40).filter(|_| Bucket::take(&bucket, 1.0)).count()));
+        let bucket = Bucket::new(1.0);
+        let taken = || (0..40).filter(|_| Bucket::take(&bucket, 1.0, 1.0)).count();
+        assert_eq!(taken(), 2);
+        std::thread::sleep(Duration::from_millis(1200));
+        assert_eq!(taken(), 1);
         // What is overdrawn is waited for.
-        let bucket = Bucket::new(10.0);
-        assert!(Bucket::take(&bucket, 100.0) && !Bucket::take(&bucket, 0.0));
+        assert!(Bucket::take(&bucket, f64::NEG_INFINITY, 100.0) && !Bucket::take(&bucket, 0.0, 0.0));
     }
 }
