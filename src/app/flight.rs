@@ -124,7 +124,8 @@ pub(super) struct Flight {
 impl Flight {
     pub(super) fn new(window: Arc<Window>, options: &FlyOptions) -> Result<Flight, AppError> {
         let (context, surface) = Context::with_window(&options.context, window.clone())?;
-        let scene = Scene::open(&context, &options.file, SceneOptions { scope: Scope::Flight, ..options.scene.clone() })?;
+        let mut scene = Scene::open(&context, &options.file, SceneOptions { scope: Scope::Flight, ..options.scene.clone() })?;
+        scene.bear_edits_of_others();
         let size = window.inner_size();
         let swapchain = Swapchain::new(&context, surface, (size.width, size.height), false)?;
         let format = swapchain.format();

@@ -165,6 +165,7 @@ pub fn fly(options: FlyOptions) -> (FlyReport, Result<(), AppError>) {
         retry_at: None,
         begun: None,
         recovered: None,
+        read_at: None,
         modifiers: ModifiersState::empty(),
     };
     let ended = EventLoop::new().map_err(|error| no_window_system(&error)).and_then(|events| {
@@ -196,6 +197,8 @@ struct App {
     begun: Option<Settings>,
     /// When a lost device was last used anew.
     recovered: Option<Instant>,
+    /// When the planet file was last read anew, because another program had edited it.
+    read_at: Option<Instant>,
     /// Keys that are held beside others.
     modifiers: ModifiersState,
 }
@@ -373,6 +376,10 @@ impl ApplicationHandler for App {
         if flight.closes().is_some_and(|at| at <= now) {
             return events.exit();
         }
+        if self.read_anew(events, now) {
+            return;
+        }
+        let Some(flight) = &mut self.flight else { return };
         if let Err(error) = flight.take_in(now) {
             return self.recover(events, error);
         }

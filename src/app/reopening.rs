@@ -1,4 +1,4 @@
-//! A flight that goes on over another planet, or on another device.
+//! A flight that goes on over another planet, over its planet as it was edited, or on another device.
 
 use super::choices::Choices;
 use super::flight::{Flight, Selection};
@@ -10,6 +10,7 @@ use super::viewer::Viewer;
 use super::AppError;
 use crate::frame::Look;
 use crate::scene::{Scene, SceneOptions, Scope};
+use std::path::Path;
 use terrane_planet::draw::view::Camera;
 use terrane_planet::draw::view_line::ViewLine;
 
@@ -32,6 +33,7 @@ impl Flight {
         self.options.published.clone_from(&opened.published);
         let options = SceneOptions { scope: Scope::Flight, ..self.options.clone() };
         self.scene = Scene::open(&self.context, &opened.file, options)?;
+        self.scene.bear_edits_of_others();
         self.viewer.appear(&Camera { size: self.viewer.lens.size, ..opened.camera });
         self.home = self.viewer.pose;
         self.choices.look = Look { sun: opened.look.sun, ..self.choices.look };
@@ -40,6 +42,21 @@ impl Flight {
         (self.tables, self.selection, self.playback) = (None, Selection::Follows, None);
         (self.picked, self.frozen) = (None, None);
         self.window.set_title(&format!("Terrane: {}", opened.file.display()));
+        self.touch();
+        Ok(())
+    }
+
+    /// Goes on where it is, over what its planet's file says by now.
+    ///
+    /// # Errors
+    /// A file that cannot be opened, or that is edited meanwhile. Device loss.
+    pub(super) fn read_anew(&mut self, file: &Path) -> Result<(), AppError> {
+        self.context.wait_idle()?;
+        let options = SceneOptions { scope: Scope::Flight, ..self.options.clone() };
+        self.scene = Scene::open(&self.context, file, options)?;
+        self.scene.bear_edits_of_others();
+        (self.tables, self.selection) = (None, Selection::Follows);
+        (self.picked, self.frozen) = (None, None);
         self.touch();
         Ok(())
     }

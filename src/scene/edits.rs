@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 use terrane_planet::planet::edits::EditError;
 use terrane_planet::planet::Planet;
 use terrane_planet::recipe::Edit;
-use terrane_planet::store::StoreError;
+use terrane_planet::store::{PlanetFile, StoreError};
 
 /// What is to become of the ground.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -104,6 +104,9 @@ pub(super) struct Edits {
     failed: Option<String>,
     /// The file's ground is another than what is drawn, and is not going to be drawn.
     is_left_behind: bool,
+    /// Whether edits of other programs are borne, and whether there was one.
+    bears_others: bool,
+    is_overtaken: bool,
     begun: Option<Instant>,
     latest: Option<Duration>,
     /// Threads that end by themselves soon.
@@ -282,13 +285,33 @@ impl Scene {
         }
     }
 
+    /// Goes on with what is there, from now on, if another program edits the planet file: [`Scene::is_overtaken`] tells of it. Otherwise that
+    /// is an error.
+    pub fn bear_edits_of_others(&mut self) {
+        self.edits.bears_others = true;
+    }
+
+    /// Whether patches are lacking because another program has edited the planet file: it has to be opened again.
+    pub fn is_overtaken(&self) -> bool {
+        self.edits.is_overtaken
+    }
+
     /// What arrived, but for patches that the file no longer has because its ground is changing.
-    pub(super) fn unless_behind<T: Default>(&self, arrived: Result<T, SceneError>) -> Result<T, SceneError> {
+    pub(super) fn unless_behind<T: Default>(&mut self, arrived: Result<T, SceneError>) -> Result<T, SceneError> {
         match arrived {
-            Err(SceneError::Store(StoreError::Absent { .. } | StoreError::Changed { .. })) if self.edits.may_be_ahead() => {
+            Err(SceneError::Store(StoreError::Absent { .. } | StoreError::Changed { .. })) if self.is_behind() => {
                 Ok(T::default())
             }
             arrived => arrived,
         }
+    }
+
+    fn is_behind(&mut self) -> bool {
+        let may_be_ahead = self.edits.may_be_ahead() || self.edits.is_overtaken;
+        if !may_be_ahead && self.edits.bears_others {
+            let now = PlanetFile::open(&self.supply.path);
+            self.edits.is_overtaken = now.is_ok_and(|file| *file.header() != self.planet.header());
+        }
+        may_be_ahead || self.edits.is_overtaken
     }
 }

@@ -307,6 +307,21 @@ fn a_click_with_the_tool_digs_and_undo_fills_in() {
 }
 
 #[test]
+fn a_planet_that_another_program_edits_is_read_anew_and_the_viewer_stays() {
+    let Some(mut session) = Session::open(&["--at", "10,20,9000", "--look", "0,-90", "--clear-sky", "--no-sea"]) else { return };
+    let (planet, before) = (session.planet.clone(), session.settled());
+    let mut edit = terrane(&["edit"]);
+    edit.arg(&planet).args(["crater", "--at", "10,20", "--radius", "3000", "--depth", "900"]);
+    assert!(edit.status().unwrap().success());
+    // What was not there yet is read there.
+    let there = session.go_to("-40 -120 9 km");
+    assert!((there.at[0] + 40.0).abs() < 1e-6, "{there}");
+    session.hand.key("Home");
+    wait_for_picture(&mut session, "dug", |picture| differences(&before, picture, 0..640) > 1000);
+    session.close();
+}
+
+#[test]
 fn keys_are_the_users_own_and_a_file_of_them_that_cannot_be_meant_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     let with_config = |arguments: &[&str]| {
