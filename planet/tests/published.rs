@@ -8,6 +8,7 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::Arc;
+use std::time::Duration;
 use terrane_planet::globe::patch::PatchId;
 use terrane_planet::planet::bake::{bake, BakePlan};
 use terrane_planet::planet::edits::{add, finish};
@@ -38,7 +39,7 @@ fn go(file: &Path, folder: &Path) -> Publishing {
 
 fn awaited(objects: impl Objects + 'static) -> PublishedRecords {
     let planet = PublishedPlanet::open(Box::new(objects)).unwrap();
-    PublishedRecords::new(Arc::new(planet), Otherwise::Wait(Arc::default()))
+    PublishedRecords::new(Arc::new(planet), Otherwise::wait())
 }
 
 fn names(folder: &Path) -> BTreeSet<PathBuf> {
@@ -84,7 +85,7 @@ fn a_folder_answers_what_its_planet_file_answers_and_nothing_is_written_twice() 
     assert_eq!(published.header(), file.header());
     let index: Vec<_> = file.index().unwrap().iter().map(|record| (record.id, record.facts)).collect();
     assert!(published.index(&|_| ()).unwrap() == index);
-    let far = PublishedRecords::new(Arc::new(published), Otherwise::Wait(Arc::default()));
+    let far = PublishedRecords::new(Arc::new(published), Otherwise::wait());
     for (id, facts) in index {
         assert_eq!(far.facts(id).unwrap(), Some(facts));
         for part in [Part::Geometry, Part::Texture] {
@@ -165,7 +166,7 @@ fn bytes_that_are_not_what_was_published_are_asked_for_again_or_refused_by_name(
         Ok(bytes)
     });
     let planet = Arc::new(PublishedPlanet::open(Box::new(objects)).unwrap());
-    let far = PublishedRecords::new(planet.clone(), Otherwise::Wait(Arc::default()));
+    let far = PublishedRecords::new(planet.clone(), Otherwise::wait());
     assert!(records::mesh(&far, root, &|_, _| false).unwrap().unwrap().mesh == whole);
     let (fetched, asked) = (planet.fetched(), asked.load(Ordering::Relaxed));
     assert_eq!((fetched.refused, 2 * fetched.segments), (fetched.segments, asked as u64));
@@ -187,7 +188,8 @@ fn bytes_that_are_not_what_was_published_are_asked_for_again_or_refused_by_name(
     let builder = PublishedRecords::new(planet.clone(), Otherwise::Build);
     assert!(builder.facts(root).unwrap().is_none() && builder.bytes(root, Part::Geometry, 0..9).unwrap().is_none());
     assert_eq!(planet.fetched().failed, 1);
-    let stopped = PublishedRecords::new(planet, Otherwise::Wait(Arc::new(AtomicBool::new(true))));
+    let stopped =
+        PublishedRecords::new(planet, Otherwise::Wait { stop: Arc::new(AtomicBool::new(true)), patience: Duration::MAX });
     assert!(matches!(stopped.facts(root), Err(StoreError::Remote { .. })));
     // Nothing but a planet.json of this version is taken for one.
     let text = std::fs::read_to_string(folder.join("planet.json")).unwrap();
@@ -199,6 +201,7 @@ fn bytes_that_are_not_what_was_published_are_asked_for_again_or_refused_by_name(
         ),
         (text.replace("\"format\": 7", "\"format\": 6"), "format 6, expected 7; it was published by an older Terrane"),
         (text.replace("\"patches\"", "\"pitches\""), "missing field `patches`"),
+        (text.replace("\"cells\": 32", "\"cells\": 4294967295"), "4294967295 cells along a patch side"),
     ] {
         std::fs::write(folder.join("planet.json"), &wrong).unwrap();
         let error = PublishedPlanet::open(Box::new(FolderObjects::new(&folder))).unwrap_err().to_string();

@@ -2,11 +2,12 @@
 
 use super::keeper::Keeper;
 use super::loader::Loader;
-use super::options::SceneOptions;
+use super::options::{SceneOptions, Scope};
 use super::source::{all_records, Source, Sun, Tally};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, RwLock};
+use std::time::Duration;
 use terrane_planet::draw::tree::PatchTree;
 use terrane_planet::ground::surroundings::KnownSurroundings;
 use terrane_planet::planet::Planet;
@@ -51,7 +52,12 @@ impl Supply {
 
     /// The records of a planet that is published; `stop` ends all waiting for them.
     pub(super) fn published_records(&self, header: &PlanetHeader, stop: &Arc<AtomicBool>) -> Option<PublishedRecords> {
-        let otherwise = if self.builds() { Otherwise::Build } else { Otherwise::Wait(stop.clone()) };
+        let otherwise = match (self.builds(), self.options.scope) {
+            (true, _) => Otherwise::Build,
+            // Whoever flies has a picture meanwhile.
+            (false, Scope::Flight) => Otherwise::Wait { stop: stop.clone(), patience: Duration::MAX },
+            (false, _) => Otherwise::wait(),
+        };
         self.published(header).map(|published| PublishedRecords::new(published.clone(), otherwise))
     }
 

@@ -2,6 +2,7 @@
 
 use super::name::ObjectName;
 use crate::globe::lattice::Lattice;
+use crate::globe::patch::{MAX_CELLS, MIN_CELLS};
 use crate::mesh::certificate::{DEVIATION_SHARE, KAPPA};
 use crate::store::record::RECORD_VERSION;
 use crate::store::FORMAT_VERSION;
@@ -98,6 +99,9 @@ pub enum ManifestError {
         /// What to do next.
         advice: &'static str,
     },
+    /// Of a grid that no patch has.
+    #[error("{0} cells along a patch side, expected a power of two from {MIN_CELLS} to {MAX_CELLS}; publish it again")]
+    Cells(u32),
     /// Of a builder with other rules.
     #[error("its patches were built for {found:?}, expected {expected:?}: publish it again with this Terrane")]
     Builder {
@@ -134,6 +138,9 @@ impl Manifest {
         let manifest: Manifest = serde_json::from_slice(bytes).map_err(ManifestError::Foreign)?;
         check("format", manifest.format, FORMAT_VERSION)?;
         check("records of version", manifest.record.into(), RECORD_VERSION.into())?;
+        if !manifest.cells.is_power_of_two() || !(MIN_CELLS..=MAX_CELLS).contains(&manifest.cells) {
+            return Err(ManifestError::Cells(manifest.cells));
+        }
         let expected = [KAPPA, DEVIATION_SHARE];
         if manifest.builder != expected {
             return Err(ManifestError::Builder { found: manifest.builder, expected });

@@ -29,7 +29,7 @@ const TRIES: usize = 3;
 const FIRST_PAUSE: Duration = Duration::from_millis(500);
 const LONGEST_PAUSE: Duration = Duration::from_secs(20);
 
-/// How long a reader that has nothing else waits for bytes that do not come.
+/// How long a reader that has nothing else waits for bytes that do not come, unless it says otherwise.
 const PATIENCE: Duration = Duration::from_secs(60);
 
 /// How often it looks whether it is still wanted.
@@ -144,7 +144,7 @@ impl PublishedPlanet {
         let mut index = Vec::new();
         let mut open: Vec<PatchId> = PatchId::roots().collect();
         while let Some(root) = open.pop() {
-            if let Some(directory) = self.patiently(&AtomicBool::new(false), || self.directory(root))? {
+            if let Some(directory) = self.patiently(&AtomicBool::new(false), PATIENCE, || self.directory(root))? {
                 let whole = directory.patches.iter().filter(|patch| !patch.geometry.is_empty());
                 index.extend(whole.map(|patch| (patch.id, patch.facts)));
                 open.extend(directory.below.iter().map(|(root, _)| *root));
@@ -163,7 +163,7 @@ impl PublishedPlanet {
             return Err(StoreError::Remote { file: self.place().to_owned(), what: what.to_owned(), reason });
         }
         let holds = |found: &[u8]| found.len() == bytes as usize && ObjectName::of(found) == object;
-        self.patiently(&AtomicBool::new(false), || self.checked(object, 0..u64::from(bytes), &holds, what))
+        self.patiently(&AtomicBool::new(false), PATIENCE, || self.checked(object, 0..u64::from(bytes), &holds, what))
     }
 
     /// The directory of the shard with this root, if there is one.
@@ -280,14 +280,19 @@ impl PublishedPlanet {
     }
 
     /// Asks until an answer comes, patience ends or nobody waits any more.
-    fn patiently<T>(&self, stop: &AtomicBool, mut ask: impl FnMut() -> Result<T, Fault>) -> Result<T, StoreError> {
+    fn patiently<T>(
+        &self,
+        stop: &AtomicBool,
+        patience: Duration,
+        mut ask: impl FnMut() -> Result<T, Fault>,
+    ) -> Result<T, StoreError> {
         let begun = Instant::now();
         let is_stopped = || stop.load(Ordering::Relaxed);
         loop {
             match ask() {
                 Ok(answer) => return Ok(answer),
                 Err(Fault::Final(error)) => return Err(error),
-                Err(Fault::Passing(error)) if begun.elapsed() > PATIENCE || is_stopped() => return Err(error),
+                Err(Fault::Passing(error)) if begun.elapsed() > patience || is_stopped() => return Err(error),
                 Err(Fault::Passing(error)) => self.pause(&error),
             }
             while self.pauses() && !is_stopped() {
@@ -320,8 +325,20 @@ impl fmt::Debug for PublishedPlanet {
 pub enum Otherwise {
     /// It builds: there is nothing for it then, nor while more is asked for than can be on its way.
     Build,
-    /// It waits, and goes on when the planet can be reached again; not any more once this is raised.
-    Wait(Arc<AtomicBool>),
+    /// It waits, and goes on when the planet can be reached again.
+    Wait {
+        /// Raised when it is not wanted any more.
+        stop: Arc<AtomicBool>,
+        /// How long at most.
+        patience: Duration,
+    },
+}
+
+impl Otherwise {
+    /// It waits for a minute.
+    pub fn wait() -> Otherwise {
+        Otherwise::Wait { stop: Arc::default(), patience: PATIENCE }
+    }
 }
 
 /// The records of a published planet.
@@ -339,7 +356,7 @@ impl PublishedRecords {
 
     fn ask<T>(&self, ask: impl Fn() -> Result<Option<T>, Fault>) -> Result<Option<T>, StoreError> {
         match &self.otherwise {
-            Otherwise::Wait(stop) => self.planet.patiently(stop, ask),
+            Otherwise::Wait { stop, patience } => self.planet.patiently(stop, *patience, ask),
             Otherwise::Build if self.planet.pauses() || self.planet.objects.is_busy() => Ok(None),
             Otherwise::Build => ask().or_else(|fault| {
                 let (Fault::Passing(error) | Fault::Final(error)) = fault;

@@ -135,8 +135,7 @@ fn download(published: &Arc<PublishedPlanet>, file: &mut PlanetFile) -> anyhow::
         manifest.bytes as f64 / 1e9,
         FETCHED_BYTES as f64 / 1e9
     );
-    let (records, report) =
-        (PublishedRecords::new(published.clone(), Otherwise::Wait(Arc::default())), Report::new(&manifest.name));
+    let (records, report) = (PublishedRecords::new(published.clone(), Otherwise::wait()), Report::new(&manifest.name));
     let (index, there) = (published.index(&|_| ())?, file.ids()?);
     let missing: Vec<PatchId> = index.iter().map(|(id, _)| *id).filter(|id| !there.contains(id)).collect();
     let patch = |&id: &PatchId| {

@@ -51,7 +51,10 @@ impl FetchCache {
                 return Err(error);
             }
             tracing::warn!(%error, "the cache {} is made anew", path.display());
-            let _ = std::fs::remove_file(&path);
+            // With what SQLite keeps beside it: that of another file would be taken for its own.
+            for beside in ["", "-wal", "-shm"] {
+                let _ = std::fs::remove_file(folder.join(format!("fetched.sqlite{beside}")));
+            }
             open()
         });
         match opened {
