@@ -203,14 +203,14 @@ fn faults_of_the_line_are_named_and_the_picture_stays() {
     published(folder);
     shot(folder, "local", "tiny.planet", "local.png", &[]);
     // A server that ends half-way: what it does not send is built.
-    if let Some(mut slow) = Server::nginx(folder, &folder.join("www"), "limit_rate 100k;") {
+    if let Some(mut slow) = Server::nginx(folder, &folder.join("www"), "limit_rate 10k;") {
         let address = slow.planet();
         std::thread::scope(|scope| {
             let far = scope.spawn(|| shot(folder, "cut", &address, "cut.png", &[]));
-            std::thread::sleep(Duration::from_millis(700));
+            std::thread::sleep(Duration::from_millis(600));
             slow.child.kill().unwrap();
             let (summary, _) = far.join().unwrap();
-            assert!(same(folder, "local.png", "cut.png"), "{summary}");
+            assert!(same(folder, "local.png", "cut.png") && summary["fetched"]["failed"].as_u64() > Some(0), "{summary}");
         });
         // Without a server the planet is still known, and drawn.
         let (_, said) = shot(folder, "cut", &address, "cut.png", &[]);
@@ -223,9 +223,10 @@ fn faults_of_the_line_are_named_and_the_picture_stays() {
         );
     }
     // A server at its limit is asked again later.
-    let narrow = Server::terrane(folder, &["www", "--rate", "40"]);
+    let narrow = Server::terrane(folder, &["www", "--rate", "5"]);
     let (summary, _) = shot(folder, "narrow", &narrow.planet(), "narrow.png", &[]);
     assert!(same(folder, "local.png", "narrow.png"), "{summary}");
+    assert!(!narrow.get("/metrics").contains("terrane_requests_refused_total 0"));
     // Wrong bytes are refused by name. The largest files hold data.
     let objects = std::fs::read_dir(folder.join("www/objects"))
         .unwrap()

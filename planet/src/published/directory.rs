@@ -26,6 +26,9 @@ const MOST_RAW: usize = 1 << 14;
 /// Most chunks of a mesh.
 const MOST_CHUNKS: usize = 8;
 
+/// Most bytes of a segment: a texture of the largest grid takes a tenth.
+const MOST_SEGMENT: u32 = 1 << 22;
+
 /// Compression level. The bytes of directories decide names, so it is fixed.
 const ZSTD_LEVEL: i32 = 9;
 
@@ -274,7 +277,11 @@ fn patch(reader: &mut RecordReader<'_>, root: PatchId) -> Result<PatchEntry, Rec
 }
 
 fn segment(reader: &mut RecordReader<'_>) -> Result<Segment, RecordError> {
-    Ok(Segment { data: 0..u64::from(reader.u32("length of a segment")?), hash: reader.array("checksum of a segment")? })
+    let length = reader.u32("length of a segment")?;
+    if length > MOST_SEGMENT {
+        return Err(RecordError::Measure("a segment is longer than any part of a patch"));
+    }
+    Ok(Segment { data: 0..u64::from(length), hash: reader.array("checksum of a segment")? })
 }
 
 #[cfg(test)]

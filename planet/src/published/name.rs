@@ -82,7 +82,7 @@ mod tests {
 
     #[test]
     fn names_are_those_of_other_programs() {
-        // sha256sum of "terrane", its first 32 digits.
+        // The first 32 digits of sha256sum.
         let name = ObjectName::of(b"abc");
         assert_eq!(name.to_string(), "ba7816bf8f01cfea414140de5dae2223");
         assert_eq!(name.path(), "objects/ba/ba7816bf8f01cfea414140de5dae2223");

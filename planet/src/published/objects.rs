@@ -19,8 +19,8 @@ pub enum FetchError {
     Unreachable(String),
 }
 
-/// Whether bytes may come from something that keeps them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+/// Whether bytes may come from something on the way that keeps them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Freshness {
     /// From wherever they come soonest.
     Any,
@@ -39,7 +39,15 @@ pub trait Objects: Send + Sync {
     /// If they do not come.
     fn manifest(&self) -> Result<Vec<u8>, FetchError>;
 
-    /// Bytes of an object. There may be other bytes, or other numbers of them, than were asked for.
+    /// Bytes of an object that were kept from before, if they were.
+    fn kept(&self, _: ObjectName, _: &Range<u64>) -> Option<Vec<u8>> {
+        None
+    }
+
+    /// Keeps bytes of an object, which are right, for another time.
+    fn keep(&self, _: ObjectName, _: &Range<u64>, _: &[u8]) {}
+
+    /// Bytes of an object from where it lies. There may be other bytes, or other numbers of them, than were asked for.
     ///
     /// # Errors
     /// If they do not come.

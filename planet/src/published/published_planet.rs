@@ -19,8 +19,9 @@ use std::time::{Duration, Instant};
 /// Most directories that are remembered, of a few kilobytes each.
 const MOST_DIRECTORIES: usize = 20_000;
 
-/// Most bytes of an object that is fetched whole: a recipe, an image of it, a map.
-const MOST_WHOLE: u32 = 1 << 30;
+/// Most bytes of an object that is fetched whole: a recipe, an image of it, a map; and bytes of each request for it.
+const MOST_WHOLE: u32 = 1 << 28;
+const PIECE: u64 = 1 << 20;
 
 /// How often bytes that are not those that were published are asked for anew.
 const TRIES: usize = 3;
@@ -102,10 +103,11 @@ impl PublishedPlanet {
             tally: Tally::default(),
             pause: Mutex::new(None),
         };
-        let recipe = planet.whole(planet.manifest.recipe, "its recipe")?;
+        let wait = Otherwise::wait();
+        let recipe = planet.whole(planet.manifest.recipe, "its recipe", &wait)?;
         let recipe = String::from_utf8(recipe).map_err(|_| failed("its recipe", "it is not UTF-8".to_owned()))?;
         let assets = planet.manifest.assets.iter().map(|asset| {
-            let bytes = planet.whole(asset.reference, &asset.name)?;
+            let bytes = planet.whole(asset.reference, &asset.name, &wait)?;
             Ok(Asset { name: asset.name.clone(), bytes })
         });
         let assets = assets.collect::<Result<_, StoreError>>()?;
@@ -141,10 +143,11 @@ impl PublishedPlanet {
     /// # Errors
     /// If one does not come, or is damaged.
     pub fn index(&self, progress: &dyn Fn(usize)) -> Result<Vec<(PatchId, PatchFacts)>, StoreError> {
+        let wait = Otherwise::wait();
         let mut index = Vec::new();
         let mut open: Vec<PatchId> = PatchId::roots().collect();
         while let Some(root) = open.pop() {
-            if let Some(directory) = self.patiently(&AtomicBool::new(false), PATIENCE, || self.directory(root))? {
+            if let Some(directory) = self.patiently(&wait, || self.directory(root, &wait))? {
                 let whole = directory.patches.iter().filter(|patch| !patch.geometry.is_empty());
                 index.extend(whole.map(|patch| (patch.id, patch.facts)));
                 open.extend(directory.below.iter().map(|(root, _)| *root));
@@ -155,19 +158,21 @@ impl PublishedPlanet {
         Ok(index)
     }
 
-    /// An object as a whole.
-    fn whole(&self, reference: Reference, what: &str) -> Result<Vec<u8>, StoreError> {
+    /// An object as a whole, by pieces.
+    fn whole(&self, reference: Reference, what: &str, otherwise: &Otherwise) -> Result<Vec<u8>, StoreError> {
         let Reference { object, bytes } = reference;
         if bytes > MOST_WHOLE {
             let reason = format!("{bytes} bytes, expected at most {MOST_WHOLE}");
             return Err(StoreError::Remote { file: self.place().to_owned(), what: what.to_owned(), reason });
         }
+        let pieces: Vec<Range<u64>> =
+            (0..u64::from(bytes)).step_by(PIECE as usize).map(|start| start..(start + PIECE).min(u64::from(bytes))).collect();
         let holds = |found: &[u8]| found.len() == bytes as usize && ObjectName::of(found) == object;
-        self.patiently(&AtomicBool::new(false), PATIENCE, || self.checked(object, 0..u64::from(bytes), &holds, what))
+        self.patiently(otherwise, || self.checked(object, &pieces, &holds, what, otherwise))
     }
 
     /// The directory of the shard with this root, if there is one.
-    fn directory(&self, root: PatchId) -> Result<Option<Arc<Directory>>, Fault> {
+    fn directory(&self, root: PatchId, otherwise: &Otherwise) -> Result<Option<Arc<Directory>>, Fault> {
         let slot = {
             let mut directories = lock(&self.directories);
             if directories.len() >= MOST_DIRECTORIES {
@@ -175,19 +180,25 @@ impl PublishedPlanet {
             }
             directories.entry(root).or_default().clone()
         };
-        // Directories above are taken while this one is locked, and none below: nobody waits for whom he keeps waiting.
-        let mut there = lock(&slot);
+        // Directories above are taken while this one is locked, and none below: nobody waits for whom he keeps waiting. Who builds does not
+        // wait at all.
+        let mut there = match otherwise {
+            Otherwise::Build => slot.try_lock().map_err(|_| Fault::NotNow)?,
+            Otherwise::Wait { .. } => lock(&slot),
+        };
         if there.is_none() {
             let reference = match root.parent() {
                 None => Some(self.manifest.faces[usize::from(root.face.index())]),
                 Some(parent) => {
-                    self.directory(root_of(parent))?.and_then(|above| above.towards(root)).map(|(_, reference)| reference)
+                    let above = self.directory(root_of(parent), otherwise)?;
+                    above.and_then(|above| above.towards(root)).map(|(_, reference)| reference)
                 }
             };
             let Some(Reference { object, bytes }) = reference else { return Ok(None) };
             let what = format!("the directory of {root}");
             let holds = |found: &[u8]| found.len() == bytes as usize && ObjectName::of(found) == object;
-            let found = self.checked(object, 0..u64::from(bytes), &holds, &what)?;
+            let all = 0..u64::from(bytes);
+            let found = self.checked(object, std::slice::from_ref(&all), &holds, &what, otherwise)?;
             let directory =
                 Directory::decode(&found, root).map_err(|reason| Fault::Final(self.error(&what, reason.to_string())))?;
             *there = Some(Arc::new(directory));
@@ -196,17 +207,12 @@ impl PublishedPlanet {
     }
 
     /// Bytes of a record, as far as it has them: the segments that hold them.
-    fn bytes(&self, id: PatchId, part: Part, range: &Range<usize>) -> Result<Option<Vec<u8>>, Fault> {
-        let Some(directory) = self.directory(root_of(id))? else { return Ok(None) };
+    fn bytes(&self, id: PatchId, part: Part, range: &Range<usize>, otherwise: &Otherwise) -> Result<Option<Vec<u8>>, Fault> {
+        let Some(directory) = self.directory(root_of(id), otherwise)? else { return Ok(None) };
         let segments = directory.patch(id).map_or(&[] as &[Segment], |patch| patch.segments(part));
         if segments.is_empty() {
             return Ok(None);
         }
-        let mut whole = lock(&self.tally.whole);
-        if whole.0.insert((id, part)) {
-            whole.1 += segments.iter().map(Segment::length).sum::<u64>();
-        }
-        drop(whole);
         let (mut bytes, mut at) = (Vec::new(), 0);
         for (number, segment) in segments.iter().enumerate() {
             let (start, end) = (at, at + segment.length() as usize);
@@ -215,34 +221,52 @@ impl PublishedPlanet {
                 continue;
             }
             let what = format!("segment {} of {} of the {} of patch {id}", number + 1, segments.len(), part.name());
-            let found = self.checked(directory.data, segment.data.clone(), &|found| segment.holds(found), &what)?;
+            let stretch = std::slice::from_ref(&segment.data);
+            let found = self.checked(directory.data, stretch, &|found| segment.holds(found), &what, otherwise)?;
             // To its end: it was paid for.
             bytes.extend_from_slice(&found[range.start.saturating_sub(start)..]);
+        }
+        let mut whole = lock(&self.tally.whole);
+        if whole.0.insert((id, part)) {
+            whole.1 += segments.iter().map(Segment::length).sum::<u64>();
         }
         Ok(Some(bytes))
     }
 
-    /// Bytes of an object that are what was published.
+    /// Stretches of an object that are what was published: those that were kept, or fetched.
     fn checked(
         &self,
         object: ObjectName,
-        range: Range<u64>,
+        stretches: &[Range<u64>],
         holds: &dyn Fn(&[u8]) -> bool,
         what: &str,
+        otherwise: &Otherwise,
     ) -> Result<Vec<u8>, Fault> {
+        let kept: Option<Vec<Vec<u8>>> = stretches.iter().map(|range| self.objects.kept(object, range)).collect();
+        if let Some(bytes) = kept.map(|kept| kept.concat()).filter(|bytes| holds(bytes)) {
+            self.count(&bytes);
+            return Ok(bytes);
+        }
+        if self.pauses() || (matches!(otherwise, Otherwise::Build) && self.objects.is_busy()) {
+            return Err(Fault::NotNow);
+        }
         for attempt in 0..TRIES {
             let from = if attempt == 0 { Freshness::Any } else { Freshness::Origin };
-            match self.objects.read(object, range.clone(), from) {
-                Ok(bytes) if holds(&bytes) => {
-                    self.tally.segments.fetch_add(1, Ordering::Relaxed);
-                    self.tally.bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
-                    *lock(&self.pause) = None;
-                    return Ok(bytes);
-                }
-                Ok(bytes) => {
+            let read = |range: &Range<u64>| self.objects.read(object, range.clone(), from);
+            match stretches.iter().map(read).collect::<Result<Vec<Vec<u8>>, FetchError>>() {
+                Ok(found) => {
+                    let bytes = found.concat();
+                    if holds(&bytes) {
+                        stretches.iter().zip(&found).for_each(|(range, bytes)| self.objects.keep(object, range, bytes));
+                        self.count(&bytes);
+                        *lock(&self.pause) = None;
+                        return Ok(bytes);
+                    }
                     self.tally.refused.fetch_add(1, Ordering::Relaxed);
-                    let (place, found, path) = (self.place().display(), bytes.len(), object.path());
-                    tracing::warn!("{place}: {what} ({path}, bytes {range:?}): {found} bytes that are not those that were published; asked for again");
+                    let (place, count, path) = (self.place().display(), bytes.len(), object.path());
+                    tracing::warn!(
+                        "{place}: {what} ({path}, bytes {stretches:?}): {count} bytes that are not those that were published; asked for again"
+                    );
                 }
                 Err(FetchError::Missing(reason)) => return Err(Fault::Final(self.error(what, reason))),
                 Err(FetchError::Unreachable(reason)) => {
@@ -254,6 +278,11 @@ impl PublishedPlanet {
         Err(Fault::Final(
             self.error(what, format!("{} gave {TRIES} times bytes that are not those that were published", object.path())),
         ))
+    }
+
+    fn count(&self, bytes: &[u8]) {
+        self.tally.segments.fetch_add(1, Ordering::Relaxed);
+        self.tally.bytes.fetch_add(bytes.len() as u64, Ordering::Relaxed);
     }
 
     fn error(&self, what: &str, reason: String) -> StoreError {
@@ -279,23 +308,24 @@ impl PublishedPlanet {
         *pause = Some((now + length, length));
     }
 
-    /// Asks until an answer comes, patience ends or nobody waits any more.
-    fn patiently<T>(
-        &self,
-        stop: &AtomicBool,
-        patience: Duration,
-        mut ask: impl FnMut() -> Result<T, Fault>,
-    ) -> Result<T, StoreError> {
+    /// Asks until an answer comes, patience ends or nobody waits any more. Who builds has no patience.
+    fn patiently<T>(&self, otherwise: &Otherwise, mut ask: impl FnMut() -> Result<T, Fault>) -> Result<T, StoreError> {
         let begun = Instant::now();
-        let is_stopped = || stop.load(Ordering::Relaxed);
+        let (stop, patience) = match otherwise {
+            Otherwise::Build => (None, Duration::ZERO),
+            Otherwise::Wait { stop, patience } => (Some(stop), *patience),
+        };
+        let is_over = || begun.elapsed() >= patience || stop.is_some_and(|stop| stop.load(Ordering::Relaxed));
         loop {
             match ask() {
                 Ok(answer) => return Ok(answer),
                 Err(Fault::Final(error)) => return Err(error),
-                Err(Fault::Passing(error)) if begun.elapsed() > patience || is_stopped() => return Err(error),
+                Err(Fault::Passing(error)) if is_over() => return Err(error),
                 Err(Fault::Passing(error)) => self.pause(&error),
+                Err(Fault::NotNow) if is_over() => return Err(self.error("it", "it could not be reached before".to_owned())),
+                Err(Fault::NotNow) => std::thread::sleep(MOMENT),
             }
-            while self.pauses() && !is_stopped() {
+            while self.pauses() && !is_over() {
                 std::thread::sleep(MOMENT);
             }
         }
@@ -308,6 +338,8 @@ enum Fault {
     Passing(StoreError),
     /// It will not.
     Final(StoreError),
+    /// Nobody was asked: after a fault, or because enough is under way.
+    NotNow,
 }
 
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
@@ -356,11 +388,13 @@ impl PublishedRecords {
 
     fn ask<T>(&self, ask: impl Fn() -> Result<Option<T>, Fault>) -> Result<Option<T>, StoreError> {
         match &self.otherwise {
-            Otherwise::Wait { stop, patience } => self.planet.patiently(stop, *patience, ask),
-            Otherwise::Build if self.planet.pauses() || self.planet.objects.is_busy() => Ok(None),
+            Otherwise::Wait { .. } => self.planet.patiently(&self.otherwise, ask),
             Otherwise::Build => ask().or_else(|fault| {
-                let (Fault::Passing(error) | Fault::Final(error)) = fault;
-                self.planet.pause(&error);
+                match fault {
+                    Fault::Passing(error) => self.planet.pause(&error),
+                    Fault::Final(error) => tracing::warn!("{error}; it is built"),
+                    Fault::NotNow => {}
+                }
                 Ok(None)
             }),
         }
@@ -377,21 +411,26 @@ impl Records for PublishedRecords {
     }
 
     fn facts(&self, id: PatchId) -> Result<Option<PatchFacts>, StoreError> {
-        self.ask(|| Ok(self.planet.directory(root_of(id))?.and_then(|directory| directory.patch(id).map(|patch| patch.facts))))
+        self.ask(|| {
+            Ok(self
+                .planet
+                .directory(root_of(id), &self.otherwise)?
+                .and_then(|directory| directory.patch(id).map(|patch| patch.facts)))
+        })
     }
 
     fn bytes(&self, id: PatchId, part: Part, range: Range<usize>) -> Result<Option<Vec<u8>>, StoreError> {
         if part == Part::Surroundings {
             return Ok(None);
         }
-        self.ask(|| self.planet.bytes(id, part, &range))
+        self.ask(|| self.planet.bytes(id, part, &range, &self.otherwise))
     }
 
     fn cloud_record(&self) -> Result<Option<Vec<u8>>, StoreError> {
         // They take less time to compute than to fetch.
         let is_built = matches!(self.otherwise, Otherwise::Build);
         let Some(reference) = self.planet.manifest.clouds.filter(|_| !is_built) else { return Ok(None) };
-        self.planet.whole(reference, "the map of clouds").map(Some)
+        self.planet.whole(reference, "the map of clouds", &self.otherwise).map(Some)
     }
 
     fn first_bytes(&self) -> usize {

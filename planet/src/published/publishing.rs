@@ -250,7 +250,8 @@ impl Writer<'_> {
             for entry in std::fs::read_dir(&folder).map_err(|e| failed(&folder, e))? {
                 let path = entry.map_err(|e| failed(&folder, e))?.path();
                 let name = path.file_name().and_then(|name| name.to_str()).and_then(ObjectName::parse);
-                if name.is_some_and(|name| !self.names.contains(&name)) {
+                let is_draft = path.extension().is_some_and(|extension| extension == "new");
+                if is_draft || name.is_some_and(|name| !self.names.contains(&name)) {
                     let gone = std::fs::remove_file(&path);
                     gone.map_err(|source| PublishError::System { path, action: "remove an object of before", source })?;
                     removed += 1;

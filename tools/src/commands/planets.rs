@@ -104,9 +104,13 @@ pub(crate) fn built_planet_file(given: Option<&Path>, view: Option<&ViewLine>) -
     let header = PlanetFile::open(place.path())?.header().clone();
     let planet = Planet::from_header(&header)?;
     let mut file = PlanetFile::create_or_resume(place.path(), &header)?;
-    if let Some(published) = place.published() {
-        download(published, &mut file)?;
-        return Ok(place);
+    match place.published() {
+        Some(published) if published.header().checksum() == header.checksum() => {
+            download(published, &mut file)?;
+            return Ok(place);
+        }
+        Some(published) => eprintln!("terrane: {} is of another ground, and not fetched", published.place().display()),
+        None => {}
     }
     let plan = BakePlan::new(planet.recipe.radius, LEVELS, None)?;
     let threads = super::building::Threads::default().count();

@@ -47,24 +47,25 @@ impl Run for Serve {
         if let Some(tiles) = &self.tiles {
             ensure!(tiles.join("tileset.json").is_file(), "--tiles: there is no tileset.json in {}", tiles.display());
         }
+        let manifest = self.planet.join(MANIFEST);
+        let place = if manifest.is_file() { None } else { Some(built_planet_file(Some(&self.planet), None)?) };
         let stop = stop_on_signals()?;
-        let (folder, name) = if self.planet.join(MANIFEST).is_file() {
-            (self.planet.clone(), name_of(&self.planet.join(MANIFEST))?)
-        } else {
-            let place = built_planet_file(Some(&self.planet), None)?;
+        let (folder, name) = if let Some(place) = place {
             let file = PlanetFile::open(place.path())?;
             let name = file.header().name.clone();
             let folders = directories::ProjectDirs::from("", "", "terrane")
                 .context("there is no home folder to publish in: use terrane publish, and serve its folder")?;
             let folder = folders.cache_dir().join("published").join(file.header().file_name());
             let (report, begun) = (Report::new(&name), Instant::now());
-            let published = publish(&file, &folder, true, &|done, total| report.step(done, total, begun.elapsed()), &stop);
+            let published = publish(&file, &folder, false, &|done, total| report.step(done, total, begun.elapsed()), &stop);
             report.finish();
             match published {
                 Err(PublishError::Stopped) => return Ok(Outcome::Interrupted),
                 other => other?,
             };
             (folder, name)
+        } else {
+            (self.planet.clone(), name_of(&manifest)?)
         };
         let limits = Limits { at_once: self.at_once.into(), per_second: self.rate, bytes_per_second: self.bandwidth * 1e6 };
         let say = |address: SocketAddr| println!("{name} is at http://{address}/ : terrane fly http://{address}/{MANIFEST}");

@@ -47,7 +47,8 @@ impl FetchCache {
         // If this fails, so does what follows, with a better message.
         let _ = std::fs::create_dir_all(folder);
         let opened = open().or_else(|error| {
-            if error.sqlite_error_code() == Some(rusqlite::ErrorCode::DatabaseBusy) {
+            let is_damaged = [rusqlite::ErrorCode::NotADatabase, rusqlite::ErrorCode::DatabaseCorrupt].map(Some);
+            if !is_damaged.contains(&error.sqlite_error_code()) {
                 return Err(error);
             }
             tracing::warn!(%error, "the cache {} is made anew", path.display());

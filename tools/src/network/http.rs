@@ -7,7 +7,7 @@ use std::io::Read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use terrane_planet::published::{FetchError, Freshness, ObjectName, Objects, MANIFEST};
+use terrane_planet::published::{FetchError, Freshness, Manifest, ObjectName, Objects, MANIFEST};
 use ureq::http::{header, Response, StatusCode};
 use ureq::{Agent, Body};
 
@@ -17,6 +17,10 @@ const ANSWER: Duration = Duration::from_secs(30);
 
 /// How long a server that says nothing of it is left alone when it is at its limit.
 const REST: Duration = Duration::from_secs(1);
+
+/// How often a server that is at its limit is asked for `planet.json` again, and how long it is left alone at most.
+const PATIENCE: usize = 5;
+const LONGEST_REST: Duration = Duration::from_secs(5);
 
 /// Most bytes of a `planet.json`, and of an object that a server sends whole where a range was asked for.
 const MOST_MANIFEST: u64 = 1 << 20;
@@ -100,6 +104,18 @@ impl HttpObjects {
     }
 }
 
+/// How long a server wants to be left alone. Dates are taken for the usual time.
+fn retry_after(response: &Response<Body>) -> Duration {
+    let after = response.headers().get(header::RETRY_AFTER).and_then(|after| after.to_str().ok()?.trim().parse().ok());
+    after.map_or(REST, Duration::from_secs)
+}
+
+/// Whether another time there would be no other answer.
+fn is_final(status: StatusCode) -> bool {
+    let passing = [StatusCode::REQUEST_TIMEOUT, StatusCode::TOO_EARLY, StatusCode::TOO_MANY_REQUESTS];
+    status.is_client_error() && !passing.contains(&status)
+}
+
 fn body(response: &mut Response<Body>, most: u64) -> std::io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     response.body_mut().as_reader().take(most).read_to_end(&mut bytes)?;
@@ -114,10 +130,13 @@ impl Objects for HttpObjects {
     fn manifest(&self) -> Result<Vec<u8>, FetchError> {
         let address = self.place.display().to_string();
         let known = self.cache.as_ref().and_then(|cache| cache.manifest(&address));
-        let mut request = self.agent.get(&address);
-        if let Some((tag, _)) = known.as_ref().filter(|(tag, _)| !tag.is_empty()) {
-            request = request.header(header::IF_NONE_MATCH, tag);
-        }
+        let ask = || {
+            let request = self.agent.get(&address);
+            match known.as_ref().filter(|(tag, _)| !tag.is_empty()) {
+                Some((tag, _)) => request.header(header::IF_NONE_MATCH, tag).call(),
+                None => request.call(),
+            }
+        };
         let failed = |reason: String| match &known {
             // What is built and fetched for it is in the cache as well.
             Some((_, bytes)) => {
@@ -126,7 +145,17 @@ impl Objects for HttpObjects {
             }
             None => Err(FetchError::Unreachable(reason)),
         };
-        let mut response = match request.call() {
+        let mut response = ask();
+        for _ in 0..PATIENCE {
+            match &response {
+                Ok(busy) if [StatusCode::SERVICE_UNAVAILABLE, StatusCode::TOO_MANY_REQUESTS].contains(&busy.status()) => {
+                    std::thread::sleep(retry_after(busy).min(LONGEST_REST));
+                    response = ask();
+                }
+                _ => break,
+            }
+        }
+        let mut response = match response {
             Ok(response) => response,
             Err(error) => return failed(error.to_string()),
         };
@@ -137,29 +166,33 @@ impl Objects for HttpObjects {
                     Ok(bytes) => bytes,
                     Err(error) => return failed(error.to_string()),
                 };
+                // A page that says "log in first" is none.
+                if Manifest::parse(&bytes).is_err() {
+                    return Ok(bytes);
+                }
                 let tag = response.headers().get(header::ETAG).and_then(|tag| tag.to_str().ok()).unwrap_or_default();
                 if let Some(cache) = &self.cache {
                     cache.keep_manifest(&address, tag, &bytes);
                 }
                 Ok(bytes)
             }
-            (status, _) if status.is_client_error() => Err(FetchError::Missing(status.to_string())),
+            (status, _) if is_final(status) => Err(FetchError::Missing(status.to_string())),
             (status, _) => failed(status.to_string()),
         }
     }
 
-    fn read(&self, object: ObjectName, range: Range<u64>, from: Freshness) -> Result<Vec<u8>, FetchError> {
-        if let Some(bytes) =
-            self.cache.as_ref().filter(|_| from == Freshness::Any).and_then(|cache| cache.stretch(object, &range))
-        {
-            return Ok(bytes);
-        }
-        let first = range.start;
-        let bytes = self.line.fetch(((object, from), range), &|stretch| self.carry(stretch))?;
+    fn kept(&self, object: ObjectName, range: &Range<u64>) -> Option<Vec<u8>> {
+        self.cache.as_ref()?.stretch(object, range)
+    }
+
+    fn keep(&self, object: ObjectName, range: &Range<u64>, bytes: &[u8]) {
         if let Some(cache) = &self.cache {
-            cache.keep(object, first, &bytes);
+            cache.keep(object, range.start, bytes);
         }
-        Ok(bytes)
+    }
+
+    fn read(&self, object: ObjectName, range: Range<u64>, from: Freshness) -> Result<Vec<u8>, FetchError> {
+        self.line.fetch(((object, from), range), &|stretch| self.carry(stretch))
     }
 
     fn is_busy(&self) -> bool {

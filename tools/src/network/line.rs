@@ -63,6 +63,14 @@ struct State {
     bytes: u64,
 }
 
+impl State {
+    /// How long the server is to be left alone, if it is.
+    fn rests(&self) -> Option<Duration> {
+        let rest = self.rests_until?.saturating_duration_since(Instant::now());
+        Some(rest).filter(|rest| !rest.is_zero())
+    }
+}
+
 /// A line.
 pub(super) struct Line {
     state: Mutex<State>,
@@ -78,7 +86,7 @@ impl Line {
     /// Whether as much is under way as can be.
     pub(super) fn is_busy(&self) -> bool {
         let state = self.lock();
-        state.waiting.len() + state.on_their_way >= BUSY
+        state.rests().is_some() || state.waiting.len() + state.on_their_way >= BUSY
     }
 
     /// Requests and bytes of their answers so far.

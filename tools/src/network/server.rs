@@ -21,8 +21,8 @@ use terrane_planet::published::{ObjectName, MANIFEST};
 use tokio::sync::Semaphore;
 use tower_http::services::ServeDir;
 
-/// Most bytes of an answer: what asks for more gets the first of them, as ranges may.
-const MOST_BYTES: u64 = 16 << 20;
+/// Most bytes of a range: who asks for more gets the first of them.
+const MOST_BYTES: u64 = 4 << 20;
 
 /// How long whoever is turned away is asked to wait, seconds.
 const RETRY_AFTER: &str = "1";
@@ -33,7 +33,7 @@ const LAST_WORDS: Duration = Duration::from_secs(5);
 /// How often it looks whether it was.
 const MOMENT: Duration = Duration::from_millis(100);
 
-/// Longest time that a question may take to come, and an answer to be found.
+/// Longest time that an answer may take to be found.
 const LONGEST: Duration = Duration::from_secs(20);
 
 /// What a server may use.
@@ -167,11 +167,12 @@ async fn guard(State(shop): State<Arc<Shop>>, request: Request, next: Next) -> R
         return response;
     };
     let Ok(mut response) = tokio::time::timeout(LONGEST, next.run(request)).await else {
-        return plain(StatusCode::REQUEST_TIMEOUT, "it took too long");
+        return plain(StatusCode::SERVICE_UNAVAILABLE, "it took too long");
     };
     // Pages from elsewhere may show what anybody may read.
     response.headers_mut().insert(header::ACCESS_CONTROL_ALLOW_ORIGIN, HeaderValue::from_static("*"));
-    let bytes = response.body().size_hint().lower();
+    let stated = response.headers().get(header::CONTENT_LENGTH).and_then(|length| length.to_str().ok()?.parse::<u64>().ok());
+    let bytes = stated.unwrap_or_else(|| response.body().size_hint().lower());
     Bucket::take(&shop.bytes, f64::NEG_INFINITY, bytes as f64);
     shop.metrics.answered(response.status(), bytes, begun.elapsed());
     response
@@ -222,15 +223,17 @@ async fn manifest(State(shop): State<Arc<Shop>>, headers: HeaderMap) -> Response
 }
 
 /// A file that never changes, or a range of it.
-async fn object(State(shop): State<Arc<Shop>>, InPath((_, name)): InPath<(String, String)>, headers: HeaderMap) -> Response {
-    // Its name leads to it, whatever else the address says: no address leads out of the folder.
-    let Some(name) = ObjectName::parse(&name) else { return plain(StatusCode::NOT_FOUND, "there is no such object") };
+async fn object(State(shop): State<Arc<Shop>>, InPath((folder, name)): InPath<(String, String)>, headers: HeaderMap) -> Response {
+    // Its name leads to it, and nothing else: no address leads out of the folder.
+    let Some(name) = ObjectName::parse(&name).filter(|name| name.path() == format!("objects/{folder}/{name}")) else {
+        return plain(StatusCode::NOT_FOUND, "there is no such object");
+    };
     let path = shop.served.folder.join(name.path());
     let asked = headers.get(header::RANGE).and_then(|range| range.to_str().ok()).map(str::to_owned);
     let read = tokio::task::spawn_blocking(move || read_range(&path, asked.as_deref())).await;
     match read {
         Ok(Ok((bytes, range, length))) => {
-            let is_part = range != (0..length);
+            let is_part = range != (0..length) && !bytes.is_empty();
             let mut response = Response::new(Body::from(bytes));
             let about = response.headers_mut();
             about.insert(header::ACCEPT_RANGES, HeaderValue::from_static("bytes"));
@@ -270,7 +273,9 @@ fn read_range(path: &Path, asked: Option<&str>) -> Result<(Vec<u8>, Range<u64>, 
         Some(text) => range_of(text, length)?,
         None => 0..length,
     };
-    let range = range.start..range.end.min(range.start + MOST_BYTES);
+    // Of a range the first part will do (RFC 9110, 15.3.7), of the whole it would not.
+    let most = if range == (0..length) { length } else { MOST_BYTES };
+    let range = range.start..range.end.min(range.start + most);
     file.seek(SeekFrom::Start(range.start)).map_err(|_| Unread::File)?;
     let mut bytes = Vec::new();
     file.take(range.end - range.start).read_to_end(&mut bytes).map_err(|_| Unread::File)?;
