@@ -8,17 +8,14 @@ use super::content::{Certified, TileMaker};
 use super::tileset::{Entry, Set};
 use super::{TilesError, Watch};
 use crate::globe::patch::PatchId;
+use crate::published::ObjectName;
 use serde_json::Value;
-use sha2::{Digest, Sha256};
 use std::collections::{HashMap, HashSet};
 use std::io::Write;
 use std::path::Path;
 
 /// The first file of a set.
 pub const TILESET: &str = "tileset.json";
-
-/// Bytes of a hash that make a name: 128 bits.
-const NAME_BYTES: usize = 16;
 
 /// What was written.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -45,21 +42,15 @@ pub struct Published {
 
 /// The name of bytes: folder, and file with an extension.
 pub(super) fn name_of(bytes: &[u8], extension: &str) -> String {
-    let hash = Sha256::digest(bytes);
-    let digits: String = hash.iter().take(NAME_BYTES).map(|byte| format!("{byte:02x}")).collect();
+    let digits = ObjectName::of(bytes).to_string();
     format!("{}/{digits}.{extension}", &digits[..2])
 }
 
 /// Whether a name below the folder is one that [`name_of`] gives.
 pub(super) fn is_content_name(name: &str) -> bool {
-    let is_hex = |text: &str| text.bytes().all(|b| b.is_ascii_digit() || (b'a'..=b'f').contains(&b));
     let Some((folder, file)) = name.split_once('/') else { return false };
     let Some((digits, extension)) = file.split_once('.') else { return false };
-    digits.len() == 2 * NAME_BYTES
-        && is_hex(digits)
-        && digits.starts_with(folder)
-        && folder.len() == 2
-        && ["glb", "json"].contains(&extension)
+    ObjectName::parse(digits).is_some_and(|name| name.to_string()[..2] == *folder) && ["glb", "json"].contains(&extension)
 }
 
 fn failed<'a>(what: &'static str, path: &'a Path) -> impl FnOnce(std::io::Error) -> TilesError + 'a {

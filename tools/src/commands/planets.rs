@@ -75,7 +75,8 @@ pub(crate) fn planet_file(given: Option<&Path>, view: Option<&ViewLine>) -> anyh
     let Some(path) = given.or(seen) else {
         bail!("no planet: expected a planet file, a recipe or one of {}, or --view with the text of a picture", names.join(", "));
     };
-    if let Some(address) = path.to_str().filter(|text| is_address(text)) {
+    // Of those that are given alone: a picture from somewhere may not lead to a server.
+    if let Some(address) = given.and_then(Path::to_str).filter(|text| is_address(text)) {
         return fetched(address);
     }
     let is_recipe = path.extension().is_some_and(|extension| extension == "toml");
