@@ -170,8 +170,7 @@ impl Scene {
         let mut known: HashMap<PatchId, PatchFacts> = HashMap::new();
         if options.on_demand.is_none() {
             // Of a planet that is published all must be known that there is.
-            let published =
-                options.published.iter().filter(|published| published.header().checksum() == file.header().checksum());
+            let published = options.published.iter().filter(|published| published.is_of(file.header()));
             published.map(|published| published.index(&|_| ())).try_for_each(|index| index.map(|index| known.extend(index)))?;
         }
         known.extend(records.iter().map(|record| (record.id, record.facts)));
@@ -198,10 +197,11 @@ impl Scene {
         let scope = options.scope;
         let loader = supply.loader(&planet, keeper.as_ref(), &around)?;
         // The workers read the first patches while the clouds are made.
-        let is_far = supply.is_far(file.header());
+        let published = supply.published(file.header());
+        let is_far = line.is_some() || published.is_some();
         let parts = Parts { mesh: true, texture: options.textures && !is_far };
         loader.request(PatchId::roots().map(|id| (id, Request::Load(parts, None), 0.0)).collect());
-        let published = supply.published_records(file.header(), &Arc::default());
+        let published = published.map(|published| supply.records_of(published, &Arc::default()));
         let files = all_records(file, line.as_ref(), side_file, published);
         let fetch = clouds::fetcher(files, planet.clone(), keeper.as_ref().and_then(Keeper::handle));
         let (map, late_clouds) = match options.textures {

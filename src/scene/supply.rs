@@ -42,23 +42,18 @@ impl Supply {
 
     /// Where a planet is published, if that is this one with the ground that it has now.
     pub(super) fn published(&self, header: &PlanetHeader) -> Option<&Arc<PublishedPlanet>> {
-        self.options.published.as_ref().filter(|published| published.header().checksum() == header.checksum())
-    }
-
-    /// Whether it takes time to come by what is stored.
-    pub(super) fn is_far(&self, header: &PlanetHeader) -> bool {
-        self.line.is_some() || self.published(header).is_some()
+        self.options.published.as_ref().filter(|published| published.is_of(header))
     }
 
     /// The records of a planet that is published; `stop` ends all waiting for them.
-    pub(super) fn published_records(&self, header: &PlanetHeader, stop: &Arc<AtomicBool>) -> Option<PublishedRecords> {
+    pub(super) fn records_of(&self, published: &Arc<PublishedPlanet>, stop: &Arc<AtomicBool>) -> PublishedRecords {
         let otherwise = match (self.builds(), self.options.scope) {
             (true, _) => Otherwise::Build,
             // Whoever flies has a picture meanwhile.
             (false, Scope::Flight) => Otherwise::Wait { stop: stop.clone(), patience: Duration::MAX },
             (false, _) => Otherwise::wait(),
         };
-        self.published(header).map(|published| PublishedRecords::new(published.clone(), otherwise))
+        PublishedRecords::new(published.clone(), otherwise)
     }
 
     /// Whether what no file holds is built.
@@ -91,13 +86,14 @@ impl Supply {
         keeper: Option<&Keeper>,
         around: &Arc<KnownSurroundings>,
     ) -> Result<Loader, StoreError> {
-        let header = planet.header();
-        let in_flight = if self.is_far(&header) { IN_FLIGHT } else { 0 };
+        // A planet's header has copies of all its images: it is made only where it is asked for, and once.
+        let published = self.options.published.as_ref().and_then(|_| self.published(&planet.header()));
+        let in_flight = if self.line.is_some() || published.is_some() { IN_FLIGHT } else { 0 };
         let side = keeper.and_then(|keeper| keeper.side.as_ref());
         let stop = Arc::new(AtomicBool::new(false));
         let records = || {
             let side = side.map(|side| PlanetFile::open(side)).transpose()?;
-            let published = self.published_records(&header, &stop);
+            let published = published.map(|published| self.records_of(published, &stop));
             Ok(all_records(PlanetFile::open(&self.path)?, self.line.as_ref(), side, published))
         };
         Loader::new(self.under_way, in_flight, stop.clone(), || {

@@ -16,7 +16,7 @@ pub const MANIFEST: &str = "planet.json";
 pub const LAYOUT_VERSION: u32 = 1;
 
 /// Most bytes of a `planet.json` that is read.
-pub(super) const MOST_BYTES: u64 = 1 << 20;
+pub const MOST_MANIFEST_BYTES: u64 = 1 << 20;
 
 /// What `planet.json` says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -23,7 +23,7 @@ mod published_planet;
 mod publishing;
 
 pub use directory::{Directory, PatchEntry, Segment};
-pub use manifest::{Manifest, ManifestError, NamedReference, Reference, LAYOUT_VERSION, MANIFEST};
+pub use manifest::{Manifest, ManifestError, NamedReference, Reference, LAYOUT_VERSION, MANIFEST, MOST_MANIFEST_BYTES};
 pub use name::ObjectName;
 pub use objects::{FetchError, FolderObjects, Freshness, Objects};
 pub use published_planet::{Fetched, Otherwise, PublishedPlanet, PublishedRecords};

@@ -1,6 +1,6 @@
 //! Where the files of a published planet lie.
 
-use super::manifest::MANIFEST;
+use super::manifest::{MANIFEST, MOST_MANIFEST_BYTES};
 use super::name::ObjectName;
 use std::fs::File;
 use std::io::{Read, Seek, SeekFrom};
@@ -101,7 +101,7 @@ impl Objects for FolderObjects {
     }
 
     fn manifest(&self) -> Result<Vec<u8>, FetchError> {
-        self.read_at(MANIFEST, 0..super::manifest::MOST_BYTES)
+        self.read_at(MANIFEST, 0..MOST_MANIFEST_BYTES)
     }
 
     fn read(&self, object: ObjectName, range: Range<u64>, _: Freshness) -> Result<Vec<u8>, FetchError> {

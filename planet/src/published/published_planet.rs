@@ -120,6 +120,11 @@ impl PublishedPlanet {
         &self.header
     }
 
+    /// Whether it is the planet of a header, with the ground that this has now.
+    pub fn is_of(&self, header: &PlanetHeader) -> bool {
+        self.header.checksum() == header.checksum()
+    }
+
     /// What its `planet.json` says.
     pub fn manifest(&self) -> &Manifest {
         &self.manifest

@@ -106,7 +106,7 @@ pub(crate) fn built_planet_file(given: Option<&Path>, view: Option<&ViewLine>) -
     let planet = Planet::from_header(&header)?;
     let mut file = PlanetFile::create_or_resume(place.path(), &header)?;
     match place.published() {
-        Some(published) if published.header().checksum() == header.checksum() => {
+        Some(published) if published.is_of(&header) => {
             download(published, &mut file)?;
             return Ok(place);
         }

@@ -7,7 +7,7 @@ use std::io::Read;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
-use terrane_planet::published::{FetchError, Freshness, Manifest, ObjectName, Objects, MANIFEST};
+use terrane_planet::published::{FetchError, Freshness, Manifest, ObjectName, Objects, MANIFEST, MOST_MANIFEST_BYTES};
 use ureq::http::{header, Response, StatusCode};
 use ureq::{Agent, Body};
 
@@ -22,8 +22,7 @@ const REST: Duration = Duration::from_secs(1);
 const PATIENCE: usize = 5;
 const LONGEST_REST: Duration = Duration::from_secs(5);
 
-/// Most bytes of a `planet.json`, and of an object that a server sends whole where a range was asked for.
-const MOST_MANIFEST: u64 = 1 << 20;
+/// Most bytes of an object that a server sends whole where a range was asked for.
 const MOST_WHOLE: u64 = 64 << 20;
 
 /// Whether a text is the address of a planet, and no file or name.
@@ -162,7 +161,7 @@ impl Objects for HttpObjects {
         match (response.status(), &known) {
             (StatusCode::NOT_MODIFIED, Some((_, bytes))) => Ok(bytes.clone()),
             (StatusCode::OK, _) => {
-                let bytes = match body(&mut response, MOST_MANIFEST) {
+                let bytes = match body(&mut response, MOST_MANIFEST_BYTES) {
                     Ok(bytes) => bytes,
                     Err(error) => return failed(error.to_string()),
                 };

@@ -130,17 +130,9 @@ pub(crate) fn serve(
         let listener = tokio::net::TcpListener::bind(address).await;
         let listener = listener.with_context(|| format!("cannot listen at {address}; choose another --addr"))?;
         listening(listener.local_addr()?);
-        let ended = stop.clone();
-        let asked = async move {
-            while !ended.load(Ordering::Relaxed) {
-                tokio::time::sleep(MOMENT).await;
-            }
-        };
-        let server = axum::serve(listener, router).with_graceful_shutdown(asked);
+        let server = axum::serve(listener, router).with_graceful_shutdown(raised(stop.clone()));
         let late = async move {
-            while !stop.load(Ordering::Relaxed) {
-                tokio::time::sleep(MOMENT).await;
-            }
+            raised(stop).await;
             tokio::time::sleep(LAST_WORDS).await;
         };
         tokio::select! {
@@ -151,6 +143,13 @@ pub(crate) fn serve(
     // Whoever still reads slowly does not hold up the end.
     runtime.shutdown_timeout(MOMENT);
     Ok(())
+}
+
+/// Ends when a flag is raised.
+async fn raised(flag: Arc<AtomicBool>) {
+    while !flag.load(Ordering::Relaxed) {
+        tokio::time::sleep(MOMENT).await;
+    }
 }
 
 /// Lets in what there is room for, and counts.
